@@ -24,6 +24,8 @@
 #include <iostream>
 #include <limits>
 #include <optional>
+#include <sstream>
+#include <variant>
 
 namespace po = boost::program_options;
 
@@ -35,9 +37,10 @@ constexpr Usage kVersorUsage = {
     "list|new|inspect|add|scale|translate [FILES] [-o F.json] [options]",
     "Makes, shows and changes versors, the texture of a fractal. A versor is a quaternion polynomial or rational, "
     "given by its roots and powers in fractal space, where the target's longest side is 1. Reads .json, .p4d, .poly4d "
-    "and .o3d; writes .json and, for polynomials, .p4d.\n\n"
+    "and .o3d; writes .json and, for polynomials, .p4d. A texture of waves becomes a .json too, which fractal reads as "
+    "--texture waves:FILE.json.\n\n"
     "  list                        show the textures that have a name\n"
-    "  new -o F                    make random roots in a box or about a point, or those of a texture\n"
+    "  new -o F                    make random roots in a box or about a point, or a texture's roots or waves\n"
     "  inspect F                   show what is in a file\n"
     "  add A B -o F                make the ordered product of two versors\n"
     "  scale A FACTOR -o F         scale the roots about the origin\n"
@@ -45,6 +48,7 @@ constexpr Usage kVersorUsage = {
     "  juliavdb versor list\n"
     "  juliavdb versor new -o swirl.json --seed 3 --roots 12 --powers 2:9 --integer\n"
     "  juliavdb versor new -o shells.json --texture shells\n"
+    "  juliavdb versor new -o scales.json --texture scales --seed 5\n"
     "  juliavdb versor inspect swirl.json\n"
     "  juliavdb versor scale swirl.json 0.5 -o fine.json\n"
     "  juliavdb versor translate swirl.json 0.1,0,0 -o moved.json\n"
@@ -80,6 +84,28 @@ void inspect(const std::string& name, const julia::Polynomial& polynomial) {
   for (const julia::Root& root : polynomial.roots)
     std::cout << "  [" << root.position.a << ' ' << root.position.b << ' ' << root.position.c << ' ' << root.position.d
               << "]  power " << root.power << '\n';
+}
+
+void inspect(const vdbtools::RationalFile& file) {
+  if (!file.note.empty()) std::cout << "note: " << file.note << '\n';
+  std::cout << "C: " << file.rational.logScale << '\n';
+  inspect("top", file.rational.top);
+  inspect("bottom", file.rational.bottom);
+}
+
+void inspect(const vdbtools::WaveFile& file) {
+  if (!file.note.empty()) std::cout << "note: " << file.note << '\n';
+  const auto text = [](const julia::Quaternion<double>& q) {
+    std::ostringstream stream;
+    stream << '[' << q.a << ' ' << q.b << ' ' << q.c << ' ' << q.d << ']';
+    return stream.str();
+  };
+  for (const julia::WaveFactor& factor : file.waves.factors) {
+    std::cout << "factor: " << factor.waves.size() << " waves, power " << factor.power << '\n';
+    for (const julia::Wave& wave : factor.waves)
+      std::cout << "  frequency " << text(wave.frequency) << "  cosine " << text(wave.cosine) << "  sine "
+                << text(wave.sine) << '\n';
+  }
 }
 
 std::size_t rootCount(const vdbtools::Texture& texture) {
@@ -119,8 +145,19 @@ void requireAction(const CommandLine& line, const std::string& action) {
   isFor({"json"}, {"list"});
 }
 
-/// The texture as it is placed in a box, with the dynamics' origin at 0.
-vdbtools::RationalFile newTexture(const CommandLine& line) {
+void writeWaves(CommandLine& line, const julia::WaveTexture& waves, const std::string& note) {
+  if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
+  Outputs outputs(line, {});
+  outputs.add("output", line.text("output"), ".json").stream() << vdbtools::wavesToJson(waves, note);
+  outputs.commit();
+  std::size_t count = 0;
+  for (const julia::WaveFactor& factor : waves.factors) count += factor.waves.size();
+  report().text() << "wrote " << outputs.names() << ": " << count << " waves in " << waves.factors.size()
+                  << " factors\n";
+}
+
+/// A texture of the shelf: its waves or, of roots, how they are placed in a box with the dynamics' origin at 0.
+void writeTexture(CommandLine& line) {
   const std::string name = line.text("texture");
   for (const char* option : {"roots", "powers", "integer", "placement", "box", "centre", "radius"})
     if (line.has(option))
@@ -128,17 +165,20 @@ vdbtools::RationalFile newTexture(const CommandLine& line) {
                                   " has its own; leave one of them out");
   const vdbtools::Texture* texture = vdbtools::findTexture(name);
   if (!texture) throw std::invalid_argument("there is no texture '" + name + "'; 'juliavdb versor list' shows them");
-  if (texture->followsThickness())
-    throw std::invalid_argument("the texture '" + name +
-                                "' consists of waves that follow a target's thickness, and a file holds roots; give it "
-                                "to 'fractal' by --texture");
-  line.requireUse(false, {"seed"}, "the texture '" + name + "' has nothing random; leave it out");
-  return {vdbtools::placeTexture(*texture, 1, {}), "juliavdb versor new --texture " + name, {}};
+  line.requireUse(texture->varies(), {"seed"}, "the texture '" + name + "' has nothing random; leave it out");
+  std::string note = "juliavdb versor new --texture " + name;
+  if (!texture->followsThickness()) return write(line, vdbtools::placeTexture(*texture, 1, {}), note);
+  std::uint64_t seed = 1;
+  if (line.has("seed")) {
+    seed =
+        vdbtools::parseInteger<std::uint64_t>("seed", line.text("seed"), 0, std::numeric_limits<std::uint64_t>::max());
+    note += " --seed " + line.text("seed");
+  }
+  writeWaves(line, vdbtools::wavesOf(*texture, seed), note);
 }
 
 /// What 'new' makes, and the command that makes it again, less its output.
 vdbtools::RationalFile newVersor(const CommandLine& line) {
-  if (line.has("texture")) return newTexture(line);
   const bool cluster = line.text("placement") == "cluster";
   line.requireUse(cluster, {"centre", "radius"}, "it goes with --placement cluster; give that too, or leave it out");
   line.requireUse(!cluster, {"box"}, "it is for --placement box, and the roots are placed in a cluster; leave it out");
@@ -197,15 +237,15 @@ int runVersor(const Arguments& arguments) {
     list(line.has("json"));
   } else if (action == "new") {
     expect(0, "no file but -o");
-    const vdbtools::RationalFile made = newVersor(line);
-    write(line, made.rational, made.note);
+    if (line.has("texture")) {
+      writeTexture(line);
+    } else {
+      const vdbtools::RationalFile made = newVersor(line);
+      write(line, made.rational, made.note);
+    }
   } else if (action == "inspect") {
     expect(1, "one file");
-    const vdbtools::RationalFile file = vdbtools::readRationalFile(words[1]);
-    if (!file.note.empty()) std::cout << "note: " << file.note << '\n';
-    std::cout << "C: " << file.rational.logScale << '\n';
-    inspect("top", file.rational.top);
-    inspect("bottom", file.rational.bottom);
+    std::visit([](const auto& file) { inspect(file); }, vdbtools::readVersorFile(words[1]));
   } else if (action == "add") {
     expect(2, "two files");
     write(line, julia::product(vdbtools::readRational(words[1]), vdbtools::readRational(words[2])), "");

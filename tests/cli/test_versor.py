@@ -5,7 +5,7 @@ import json
 import struct
 
 import harness
-from harness import BAD_DATA, USAGE
+from harness import BAD_DATA, NO_INPUT, USAGE
 
 
 class Versor(harness.CliTest):
@@ -62,7 +62,8 @@ class Versor(harness.CliTest):
         self.assertEqual(self.roots("x.json"), [(1, 2, 3, 0, 5)])
 
     def test_the_note_makes_it_again(self):
-        for options in (("--seed", 3), ("--texture", "rings"), ("--texture", "shells"),
+        for options in (("--seed", 3), ("--texture", "rings"), ("--texture", "shells"), ("--texture", "woven"),
+                        ("--texture", "scales", "--seed", 7),
                         ("--seed", 4, "--roots", 12, "--powers", "2:9", "--integer"),
                         ("--box", "-2,-1,0,1,3,2", "--integer"), ("--placement", "cluster", "--centre", "-1,0,0.5",
                                                                   "--radius", 0.2)):
@@ -91,13 +92,13 @@ class Versor(harness.CliTest):
                 if texture["seed"]:
                     self.ok("fractal", "s.obj", "--texture", name, "--texture-seed", 5, *low, "--mesh", "m.ply")
                     self.assertFalse(points == harness.read_ply(self.bytes("m.ply")).points)
+                self.ok("versor", "new", "--texture", name, "-o", "t.json")
                 if texture["follows_thickness"]:
                     self.assertEqual(texture["roots"], 0)
-                    self.refused(USAGE, "versor", "new", "--texture", name, "-o", "x.json", mentions="thickness")
-                    continue
-                self.ok("versor", "new", "--texture", name, "-o", "t.json")
-                self.assertEqual(len(self.roots("t.json")), texture["roots"])
-                self.ok("fractal", "s.obj", "--texture", "t.json", *low, "--mesh", "m.ply")
+                else:
+                    self.assertEqual(len(self.roots("t.json")), texture["roots"])
+                given = "waves:t.json" if texture["follows_thickness"] else "t.json"
+                self.ok("fractal", "s.obj", "--texture", given, *low, "--mesh", "m.ply")
                 self.assertTrue(points == harness.read_ply(self.bytes("m.ply")).points, name)
         for refused in (("versor", "new", "--texture", "feather", "-o", "x.json"),
                         ("versor", "new", "--texture", "shells", "--roots", 4, "-o", "x.json"),
@@ -107,6 +108,48 @@ class Versor(harness.CliTest):
                         ("fractal", "s.obj", *low, "-o", "x.vdb", "--texture", "scales", "--texture-powers", "2:3")):
             with self.subTest(refused=refused):
                 self.refused(USAGE, *refused)
+
+    def test_waves_of_a_file(self):
+        """They are those of the texture, with its seed, its frequency, its scale and its place, and in both layers."""
+        self.write("s.obj", harness.obj(harness.sphere(2)))
+        low = ("--resolution", 24, "--sdf-resolution", 24)
+
+        def points(*words):
+            self.ok("fractal", "s.obj", *words, *low, "--mesh", "m.ply")
+            return harness.read_ply(self.bytes("m.ply")).points
+
+        self.ok("versor", "new", "--texture", "coral", "--seed", 5, "-o", "c.json")
+        self.ok("versor", "new", "--texture", "woven", "-o", "w.json")
+        self.assertIn("24 waves in 2 factors", self.ok("versor", "new", "--texture", "coral", "-o", "one.json"))
+        coral = ("--texture", "coral", "--texture-seed", 5)
+        for words in (("--frequency", "fine"), ("--texture-scale", 0.7, "--texture-translate", "0.1,0,0.2"),
+                      ("--slice", 0.1, "--drop-axis", "i")):
+            with self.subTest(words=words):
+                self.assertEqual(points(*coral, *words), points("--texture", "waves:c.json", *words))
+        over = ("--texture-mix", "y:0:1")
+        self.assertEqual(points(*coral, "--texture-over", "woven", "--texture-over-frequency", 3, *over),
+                         points("--texture", "waves:c.json", "--texture-over", "waves:w.json", "--texture-over-frequency", 3,
+                                *over))
+        self.assertNotEqual(points(*coral), points("--texture", "waves:one.json"))
+        self.ok("fractal", "s.obj", "--texture", "waves:c.json", *low, "-o", "a.vdb")
+        self.ok("fractal", "--config", "a.vdb", "-o", "b.vdb")
+        self.assertEqual(self.bytes("a.vdb"), self.bytes("b.vdb"))
+        shown = self.ok("versor", "inspect", "w.json", data=True)
+        self.assertEqual(shown.count("factor: 1 waves, power 1"), 3)
+        self.write("c.json", self.bytes("w.json"))
+        self.refused(BAD_DATA, "fractal", "--config", "a.vdb", "-o", "x.vdb", mentions="c.json")
+        for code, words, mentions in (
+                (USAGE, ("--texture", "waves:"), "waves:FILE.json"),
+                (NO_INPUT, ("--texture", "waves:none.json"), "none.json"),
+                (BAD_DATA, ("--texture", "w.json"), "waves:w.json"),
+                (BAD_DATA, ("--texture", "waves:v.json"), "this program reads"),
+                (USAGE, ("--texture", "waves:w.json", "--texture-seed", 2), "seed"),
+                (USAGE, ("--texture", "waves:w.json", "--texture-roots", 2), "roots"),
+                (USAGE, ("--map", "rational", "--texture", "waves:w.json"), "rational")):
+            with self.subTest(words=words):
+                self.refused(code, "fractal", "s.obj", *low, *words, "-o", "x.vdb", mentions=mentions)
+        self.refused(USAGE, "versor", "new", "--texture", "coral", "--seed", -1, "-o", "x.json", mentions="-1")
+        self.refused(USAGE, "versor", "new", "--texture", "coral", "-o", "x.p4d", mentions=".json")
 
     def test_add_keeps_the_order(self):
         self.ok("versor", "add", "v.json", "w.json", "-o", "x.json")

@@ -182,6 +182,83 @@ TEST(VersorFile, RefusesWhatIsNotTheFormat) {
   }
 }
 
+const std::string kWaveText = R"({
+  "juliavdb": "waves",
+  "version": 1,
+  "note": "two factors",
+  "factors": [
+    {"power": 1, "waves": [
+      {"frequency": [0.5, 0, -1, 0], "cosine": [1, 0, 0, 0], "sine": [0, 1, 0, 0]}
+    ]},
+    {"power": -2, "waves": [
+      {"frequency": [0.1, 0.2, 0.3, 0.4], "cosine": [0.5, 0.5, 0.5, 0.5], "sine": [-0.5, 0.5, -0.5, 0.5]},
+      {"frequency": [1, 2, 3, -4], "cosine": [0, 0, 1, 0], "sine": [0, 0, 0, 1]}
+    ]}
+  ]
+}
+)";
+
+std::string waveRefusal(const std::string& text) {
+  try {
+    waveFileFromJson(text, "w.json");
+  } catch (const DataError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("w.json: ")) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted: " << text;
+  return {};
+}
+
+TEST(WaveFile, ReadsAndWritesTheDocumentedText) {
+  const WaveFile file = waveFileFromJson(kWaveText, "x");
+  ASSERT_EQ(file.waves.factors.size(), 2u);
+  EXPECT_EQ(file.waves.factors[1].power, -2);
+  EXPECT_EQ(file.waves.factors[1].waves.at(0).frequency, (julia::Quaternion<double>{0.1, 0.2, 0.3, 0.4}));
+  EXPECT_EQ(file.waves.factors[1].waves.at(0).sine, (julia::Quaternion<double>{-0.5, 0.5, -0.5, 0.5}));
+  EXPECT_EQ(wavesToJson(file.waves, file.note), kWaveText);
+}
+
+TEST(WaveFile, BringsBackEveryBit) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  julia::WaveTexture waves;
+  for (int f = 0; f < 20; ++f) {
+    julia::WaveFactor factor{{}, f - 10 ? f - 10 : 1};
+    const auto any = [&] {
+      return julia::Quaternion<double>{normal(random), normal(random), normal(random), normal(random)};
+    };
+    for (int i = 0; i <= f; ++i) factor.waves.push_back({any(), any(), any()});
+    waves.factors.push_back(factor);
+  }
+  EXPECT_EQ(waveFileFromJson(wavesToJson(waves), "x").waves, waves);
+}
+
+TEST(WaveFile, RefusesWhatIsNotTheFormat) {
+  const std::vector<std::pair<std::string, std::string>> changes{
+      {"\"waves\",", "\"rational\","},
+      {"\"version\": 1", "\"version\": 2"},
+      {"\"factors\"", "\"factor\""},
+      {"\"power\": 1,", ""},
+      {"\"power\": 1,", "\"power\": 0,"},
+      {"\"power\": 1,", "\"power\": 1.5,"},
+      {"\"power\": 1,", "\"power\": 65,"},
+      {"\"power\": 1,", "\"power\": 1e300,"},
+      {"\"power\": 1,", "\"power\": 1, \"more\": 1,"},
+      {"[0.5, 0, -1, 0]", "[0.5, 0, -1]"},
+      {"[0.5, 0, -1, 0]", "[0.5, 0, -1, \"0\"]"},
+      {"[0.5, 0, -1, 0]", "[0.5, 0, -1, 1e999]"},
+      {"\"cosine\": [1, 0, 0, 0], ", ""},
+      {"{\"frequency\": [0.5, 0, -1, 0], \"cosine\": [1, 0, 0, 0], \"sine\": [0, 1, 0, 0]}", ""},
+  };
+  for (const auto& [from, to] : changes) {
+    SCOPED_TRACE(from + " -> " + to);
+    waveRefusal(replaced(kWaveText, from, to));
+  }
+  waveRefusal(kText);
+  for (std::size_t size = 0; size + 1 < kWaveText.size(); size += 7) waveRefusal(kWaveText.substr(0, size));
+  EXPECT_NE(versorRefusal(kWaveText).find("waves:folder/a?file.json"), std::string::npos);
+}
+
 TEST(VersorFile, NamesThePlace) {
   const auto contains = [](const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;

@@ -89,6 +89,12 @@ void requireRoundTrip(const julia::Rational& rational) {
     throw std::logic_error("a rational does not come back as it was written");
 }
 
+void readWaves(std::string_view bytes) {
+  const std::string text = wavesToJson(waveFileFromJson(bytes, "file.json").waves);
+  if (wavesToJson(waveFileFromJson(text, "again").waves) != text)
+    throw std::logic_error("waves do not come back as they were written");
+}
+
 void readJson(std::string_view bytes) { requireRoundTrip(rationalFromJson(bytes, "file.json")); }
 
 void readP4d(std::string_view bytes) {
@@ -150,12 +156,13 @@ std::size_t mutateVdb(std::span<std::uint8_t> bytes, std::size_t size, unsigned 
   return size;
 }
 
-constexpr std::array<Harness, 8> kFormatHarnesses = {{
+constexpr std::array<Harness, 9> kFormatHarnesses = {{
     {"vdb", readVdbFile, Refusal::Data, mutateVdb},
     {"vdb_target", openVdbTarget, Refusal::Data, mutateVdb},
     {"vdb_head", readVdbHead, Refusal::Data, mutateVdb},
     {"nvdb", readNvdbFile, Refusal::Data, mutateVdb},
     {"rational", readJson},
+    {"waves", readWaves},
     {"p4d", readP4d},
     {"o3d", readO3d},
     {"picture", readAnyPicture},

@@ -262,6 +262,8 @@ void addRationals(Seeds& seeds) {
   seeds.push_back({"rational", "plain", rationalToJson(rational)});
   const FittedTo target{{Vec3d(1, 2, 3), 4}, openvdb::BBoxd(Vec3d(-1), Vec3d(1))};
   seeds.push_back({"rational", "fitted", rationalToJson(rational, "a note", target)});
+  seeds.push_back(
+      {"waves", "plain", wavesToJson({{{{{{0.5, 0, -1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}}, 2}}, {}}, "a note")});
   seeds.push_back({"p4d", "own", rationalToP4d(rational.top)});
   const OptimisedShape shape{.resolutions = {2, 1, 1}, .lengths = {1, 1, 1}, .rational = rational};
   const std::vector<double> field = {0.5, -0.25};

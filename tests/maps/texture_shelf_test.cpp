@@ -50,7 +50,7 @@ TEST(TextureShelf, isOfRootsOrOfWaves) {
     EXPECT_NE(texture.strands.empty(), texture.waves.empty());
     EXPECT_EQ(texture.followsThickness(), texture.strands.empty());
     if (texture.followsThickness()) {
-      EXPECT_NO_THROW(julia::requireValid(placeWaves(texture, 1, 1, {})));
+      EXPECT_NO_THROW(julia::requireValid(placedWaves(wavesOf(texture, 1), 1, {})));
     }
   }
   EXPECT_TRUE(defaultTexture().followsThickness());
@@ -88,7 +88,8 @@ TEST(TextureShelf, growsWithItsTarget) {
 TEST(TextureShelf, wavesGrowWithTheirScale) {
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
-    const julia::WaveTexture one = placeWaves(texture, 1, 3, {}), two = placeWaves(texture, 4, 3, {});
+    const julia::WaveTexture one = placedWaves(wavesOf(texture, 3), 1, {}),
+                             two = placedWaves(wavesOf(texture, 3), 4, {});
     ASSERT_EQ(one.factors.size(), two.factors.size());
     for (std::size_t f = 0; f < one.factors.size(); ++f)
       for (std::size_t i = 0; i < one.factors[f].waves.size(); ++i)
@@ -100,9 +101,9 @@ TEST(TextureShelf, seedsVaryWhatSaysSo) {
   bool someVary = false;
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
-    const julia::WaveTexture one = placeWaves(texture, 1, 1, {});
-    EXPECT_EQ(one, placeWaves(texture, 1, 1, {}));
-    EXPECT_EQ(one != placeWaves(texture, 1, 2, {}), texture.varies());
+    const julia::WaveTexture one = placedWaves(wavesOf(texture, 1), 1, {});
+    EXPECT_EQ(one, placedWaves(wavesOf(texture, 1), 1, {}));
+    EXPECT_EQ(one != placedWaves(wavesOf(texture, 2), 1, {}), texture.varies());
     someVary |= texture.varies();
   }
   EXPECT_TRUE(someVary);
@@ -112,7 +113,7 @@ TEST(TextureShelf, seedsVaryWhatSaysSo) {
 TEST(TextureShelf, wavesHaveUnitAmplitudes) {
   for (const Texture& texture : textureShelf())
     for (std::uint64_t seed = 0; seed < 20; ++seed)
-      for (const julia::WaveFactor& factor : placeWaves(texture, 1, seed, {}).factors)
+      for (const julia::WaveFactor& factor : placedWaves(wavesOf(texture, seed), 1, {}).factors)
         for (const auto& [frequency, c, s] : factor.waves) {
           EXPECT_NEAR(julia::normSquared(c), 1, 1e-12) << texture.name;
           EXPECT_NEAR(julia::normSquared(s), 1, 1e-12) << texture.name;

@@ -24,6 +24,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char* kFormat = "rational";
+constexpr const char* kWaveFormat = "waves";
 constexpr int kVersion = 1;
 
 // The keys of the file.
@@ -41,6 +42,11 @@ constexpr const char* kTargetKey = "target";
 constexpr const char* kCentreKey = "centre";
 constexpr const char* kScaleKey = "scale";
 constexpr const char* kBoxKey = "box";
+constexpr const char* kFactorsKey = "factors";
+constexpr const char* kWavesKey = "waves";
+constexpr const char* kFrequencyKey = "frequency";
+constexpr const char* kCosineKey = "cosine";
+constexpr const char* kSineKey = "sine";
 
 /// Detects what nlohmann::json's tree cannot show: where a text breaks off, and duplicate keys.
 class Syntax : public nlohmann::json_sax<Json> {
@@ -229,15 +235,32 @@ void requireReadable(const FittedTo& target) {
         "box not empty");
 }
 
+julia::Quaternion<double> quaternionFrom(const Node& node) {
+  const std::vector<Node> components = node.elements();
+  if (components.size() != 4) {
+    node.fail("has " + std::to_string(components.size()) + " numbers; it must have 4, A, B, C and D");
+  }
+  return {components[0].number(), components[1].number(), components[2].number(), components[3].number()};
+}
+
 julia::Root rootFrom(const Node& node) {
   node.requireKeys({kPositionKey, kPowerKey});
-  const Node position = node.at(kPositionKey);
-  const std::vector<Node> components = position.elements();
-  if (components.size() != 4) {
-    position.fail("has " + std::to_string(components.size()) + " numbers; it must have 4, A, B, C and D");
+  return {quaternionFrom(node.at(kPositionKey)), node.at(kPowerKey).number()};
+}
+
+julia::WaveFactor waveFactorFrom(const Node& node) {
+  node.requireKeys({kPowerKey, kWavesKey});
+  const double power = node.at(kPowerKey).number();
+  if (power != std::round(power) || !(std::abs(power) <= julia::kMostWavePower))
+    node.at(kPowerKey).fail("is " + shortestNumber(power) + "; it must be a whole number of at most " +
+                            std::to_string(julia::kMostWavePower));
+  julia::WaveFactor factor{{}, static_cast<int>(power)};
+  for (const Node& wave : node.at(kWavesKey).elements()) {
+    wave.requireKeys({kFrequencyKey, kCosineKey, kSineKey});
+    factor.waves.push_back({quaternionFrom(wave.at(kFrequencyKey)), quaternionFrom(wave.at(kCosineKey)),
+                            quaternionFrom(wave.at(kSineKey))});
   }
-  return {{components[0].number(), components[1].number(), components[2].number(), components[3].number()},
-          node.at(kPowerKey).number()};
+  return factor;
 }
 
 julia::Polynomial polynomialFrom(const Node& node) {
@@ -254,20 +277,34 @@ std::string numberList(std::initializer_list<double> numbers) {
   return text;
 }
 
+std::string quoted(const char* word) { return '"' + std::string(word) + "\": "; }
+
+std::string quaternionText(const julia::Quaternion<double>& q) { return '[' + numberList({q.a, q.b, q.c, q.d}) + ']'; }
+
+/// The beginning of a file.
+std::string headText(const char* format, std::string_view note) {
+  std::string text =
+      "{\n  " + quoted(kFormatKey) + '"' + format + "\",\n  " + quoted(kVersionKey) + std::to_string(kVersion) + ",\n";
+  if (!note.empty())
+    text += "  " + quoted(kNoteKey) + Json(note).dump(-1, ' ', false, Json::error_handler_t::replace) + ",\n";
+  return text;
+}
+
 void appendPolynomial(std::string& text, const char* key, const julia::Polynomial& polynomial) {
-  const auto quoted = [](const char* word) { return '"' + std::string(word) + "\": "; };
   text += "  " + quoted(key) + "{\n    " + quoted(kPowerScaleKey) + shortestNumber(polynomial.powerScale) + ",\n    " +
           quoted(kRootsKey) + "[";
   const char* separator = "\n";
   for (const julia::Root& root : polynomial.roots) {
-    const julia::Quaternion<double>& t = root.position;
     text += separator;
-    text += "      {" + quoted(kPositionKey) + "[" + shortestNumber(t.a) + ", " + shortestNumber(t.b) + ", " +
-            shortestNumber(t.c) + ", " + shortestNumber(t.d) + "], " + quoted(kPowerKey) + shortestNumber(root.power) +
-            "}";
+    text += "      {" + quoted(kPositionKey) + quaternionText(root.position) + ", " + quoted(kPowerKey) +
+            shortestNumber(root.power) + "}";
     separator = ",\n";
   }
   text += polynomial.roots.empty() ? "]\n  }" : "\n    ]\n  }";
+}
+
+bool holdsWaves(const Json& tree) {
+  return tree.is_object() && tree.contains(kFormatKey) && tree[kFormatKey] == kWaveFormat;
 }
 
 }  // namespace
@@ -277,6 +314,7 @@ RationalFile rationalFileFromJson(std::string_view text, const std::string& name
   Syntax::check(text, name);
   const Json tree = Json::parse(text);
   const Node root(tree, name, "");
+  if (holdsWaves(tree)) root.fail("holds waves and no roots; as a texture, give it as waves:" + name);
   // The kind of file is checked first, because a later version may well have other keys.
   root.at(kFormatKey).requireEqual(kFormat);
   root.at(kVersionKey).requireEqual(kVersion);
@@ -304,13 +342,7 @@ std::string rationalToJson(const julia::Rational& rational, std::string_view not
                            const std::optional<FittedTo>& target) {
   julia::requireFinite(rational);
   if (target) requireReadable(*target);
-  std::string text = "{\n  \"" + std::string(kFormatKey) + "\": \"" + kFormat + "\",\n  \"" + kVersionKey +
-                     "\": " + std::to_string(kVersion) + ",\n";
-  if (!note.empty()) {
-    text += "  \"" + std::string(kNoteKey) + "\": " + Json(note).dump(-1, ' ', false, Json::error_handler_t::replace) +
-            ",\n";
-  }
-  text += "  \"" + std::string(kLogScaleKey) + "\": " + shortestNumber(rational.logScale) + ",\n";
+  std::string text = headText(kFormat, note) + "  " + quoted(kLogScaleKey) + shortestNumber(rational.logScale) + ",\n";
   appendPolynomial(text, kTopKey, rational.top);
   text += ",\n";
   appendPolynomial(text, kBottomKey, rational.bottom);
@@ -323,6 +355,49 @@ std::string rationalToJson(const julia::Rational& rational, std::string_view not
   }
   text += "\n}\n";
   return text;
+}
+
+WaveFile waveFileFromJson(std::string_view text, const std::string& nameForErrors) {
+  const std::string name = inOneLine(nameForErrors);
+  Syntax::check(text, name);
+  const Json tree = Json::parse(text);
+  const Node root(tree, name, "");
+  root.at(kFormatKey).requireEqual(kWaveFormat);
+  root.at(kVersionKey).requireEqual(kVersion);
+  root.requireKeys({kFormatKey, kVersionKey, kFactorsKey}, {kNoteKey});
+  WaveFile file;
+  if (root.has(kNoteKey)) file.note = root.at(kNoteKey).string();
+  for (const Node& factor : root.at(kFactorsKey).elements()) file.waves.factors.push_back(waveFactorFrom(factor));
+  try {
+    julia::requireValid(file.waves);
+  } catch (const std::invalid_argument& error) {
+    throw DataError(name + ": " + error.what());
+  }
+  return file;
+}
+
+WaveFile readWaveFile(const std::filesystem::path& path) {
+  return waveFileFromJson(readWholeFile(path), path.string());
+}
+
+std::string wavesToJson(const julia::WaveTexture& waves, std::string_view note) {
+  julia::requireValid(waves);
+  std::string text = headText(kWaveFormat, note) + "  " + quoted(kFactorsKey) + "[";
+  const char* separator = "\n";
+  for (const julia::WaveFactor& factor : waves.factors) {
+    text += separator;
+    text += "    {" + quoted(kPowerKey) + std::to_string(factor.power) + ", " + quoted(kWavesKey) + "[";
+    const char* between = "\n";
+    for (const julia::Wave& wave : factor.waves) {
+      text += between;
+      text += "      {" + quoted(kFrequencyKey) + quaternionText(wave.frequency) + ", " + quoted(kCosineKey) +
+              quaternionText(wave.cosine) + ", " + quoted(kSineKey) + quaternionText(wave.sine) + "}";
+      between = ",\n";
+    }
+    text += "\n    ]}";
+    separator = ",\n";
+  }
+  return text + "\n  ]\n}\n";
 }
 
 RationalFile readRationalFile(const std::filesystem::path& path) {
@@ -339,5 +414,13 @@ RationalFile readRationalFile(const std::filesystem::path& path) {
 }
 
 julia::Rational readRational(const std::filesystem::path& path) { return readRationalFile(path).rational; }
+
+std::variant<RationalFile, WaveFile> readVersorFile(const std::filesystem::path& path) {
+  if (lowerExtension(path) != ".json") return readRationalFile(path);
+  const std::string text = readWholeFile(path);
+  Syntax::check(text, inOneLine(path.string()));
+  if (holdsWaves(Json::parse(text))) return waveFileFromJson(text, path.string());
+  return rationalFileFromJson(text, path.string());
+}
 
 }  // namespace vdbtools

@@ -101,16 +101,13 @@ IdleRule idleUnlessPlaced(const char* placement) {
                     }});
 }
 
-const Texture* textureOf(const OptionRun& run) { return findTexture(run.text("versor")); }
-
 std::uint64_t parseSeed(const RecipeReader& reader, const std::string& option) {
   return reader.integer<std::uint64_t>(option, 0, std::numeric_limits<std::uint64_t>::max());
 }
 
 /// Of --frequency.
 std::string idleFrequency(const OptionRun& run) {
-  const Texture* const texture = textureOf(run);
-  if (run.text("map") == "rational" || !texture || !texture->followsThickness())
+  if (run.text("map") == "rational" || !followsThickness(run.text("versor")))
     return "it is for textures of waves, and roots are as large as they are; leave it out, or give a texture that "
            "follows the thickness";
   return {};
@@ -122,7 +119,9 @@ constexpr std::pair<const char*, double> kFrequencyWords[] = {{"coarse", 1}, {"m
 std::string knownVersors() {
   std::string names;
   for (const Texture& texture : textureShelf()) names += texture.name + ", ";
-  return names + "random, a file: .json, .p4d, .poly4d or .o3d, expr:A,B,C or field:FILE.vdb:GRID";
+  return names +
+         "random, a file: .json, .p4d, .poly4d or .o3d, waves:FILE.json, expr:A,B,C or "
+         "field:FILE.vdb:GRID";
 }
 
 julia::Rational moved(julia::Rational rational, const RootsSettings& settings, const julia::Embedding& embedding) {
@@ -157,8 +156,9 @@ OptionSpec frequencyOption() {
               "or a number above 0; takes the same values as --detail. For the textures that follow the thickness",
           .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
             const auto versor = recipe.find("versor");
-            const Texture* const texture = findTexture(versor == recipe.end() ? usualVersor(recipe) : versor->second);
-            return texture && texture->followsThickness() ? std::optional<std::string>("medium") : std::nullopt;
+            return followsThickness(versor == recipe.end() ? usualVersor(recipe) : versor->second)
+                       ? std::optional<std::string>("medium")
+                       : std::nullopt;
           },
           .defaultNote = "medium",
           .hash = "frequency-sha256",
@@ -291,7 +291,8 @@ std::vector<OptionSpec> rootsOptions() {
        .argument = "NAME|random|FILE|expr:...",
        .help =
            "the texture (versor): one of those that 'juliavdb versor list' shows, random roots, a .json, .p4d, .poly4d "
-           "or .o3d file, a formula (expr:A,B,C) or a field (field:FILE.vdb:GRID)",
+           "or .o3d file, waves of 'juliavdb versor new' (waves:FILE.json), a formula (expr:A,B,C) or a field "
+           "(field:FILE.vdb:GRID)",
        .defaultFor = [](const Recipe& recipe) { return usualVersor(recipe); },
        .defaultNote = defaultTexture().name + "; random with any option of random roots",
        .alternative = "rational",
@@ -426,8 +427,10 @@ std::map<std::string, std::string> PlacedRoots::metadata() const {
   return {{kVersorJson, rationalToJson(drawn, {}, fitted)}};
 }
 
-julia::WaveTexture placeWaves(const RootsSettings& settings, const julia::Embedding& embedding) {
-  julia::WaveTexture waves = placeWaves(*settings.texture, settings.scale, settings.random.seed, embedding);
+julia::WaveTexture placeWaves(const RootsSettings& settings, const std::optional<WaveFile>& file,
+                              const julia::Embedding& embedding) {
+  julia::WaveTexture waves =
+      placedWaves(file ? file->waves : wavesOf(*settings.texture, settings.random.seed), settings.scale, embedding);
   const Vec3d& by = settings.translate;
   waves.origin = julia::Embedding{0, embedding.dropped}.quaternion<double>({by[0], by[1], by[2]});
   return waves;

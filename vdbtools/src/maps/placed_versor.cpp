@@ -200,21 +200,29 @@ void requireDirections(const VersorSource& source, const DirectionFunction& func
       }
 }
 
+/// What a layer's source has in files.
+struct LayerFiles {
+  const std::optional<RationalFile>& roots;
+  const std::optional<DirectionGrids>& directions;
+  const std::optional<WaveFile>& waves;
+};
+
 PlacedLayer placedLayer(const VersorSource& source, const julia::Embedding& embedding, const MapContext& context,
-                        const std::optional<RationalFile>& file, const std::optional<DirectionGrids>& directions,
-                        SharedFieldPtr octave, const VersorFunction& function) {
+                        const LayerFiles& files, SharedFieldPtr octave, const VersorFunction& function) {
   PlacedLayer layer{.source = source, .octave = std::move(octave)};
   if (source.formula) {
     layer.function = formulaFunction(*source.formula, embedding, context);
     requireDirections(source, layer.function, embedding, context);
   } else if (source.field) {
-    if (!directions) throw std::logic_error("a field of directions was not read");
-    layer.directions =
-        sharedFields(filledAbout(*directions, context.target->box, "--" + optionName(source.option)), context.space);
+    if (!files.directions) throw std::logic_error("a field of directions was not read");
+    layer.directions = sharedFields(
+        filledAbout(*files.directions, context.target->box, "--" + optionName(source.option)), context.space);
   } else if (source.isFunction) {
     layer.function = programFunction(function, embedding, context.space);
+  } else if (source.followsThickness()) {
+    layer.waves = placeWaves(source.roots, files.waves, embedding);
   } else {
-    layer.roots = placeRoots(source.roots, file, embedding, context);
+    layer.roots = placeRoots(source.roots, files.roots, embedding, context);
   }
   return layer;
 }
@@ -233,12 +241,13 @@ PlacedVersor::PlacedVersor(const VersorSettings& settings, const julia::Embeddin
                            const VersorFunction& function)
     : mEmbedding(embedding),
       mUnder(placedLayer(
-          settings.under, embedding, context, context.files.roots, context.files.directions,
+          settings.under, embedding, context, {context.files.roots, context.files.directions, context.files.waves},
           context.octave ? sharedField(ControlGrid{context.octave->grid, context.octave->space}) : nullptr, function)) {
   if (settings.over) {
     const ControlGrids& controls = *context.controls;
     const auto octave = controls.find("over-octave");
-    mOver = placedLayer(*settings.over, embedding, context, context.files.overRoots, context.files.overDirections,
+    mOver = placedLayer(*settings.over, embedding, context,
+                        {context.files.overRoots, context.files.overDirections, context.files.overWaves},
                         octave == controls.end() ? nullptr : sharedField(octave->second), function);
     mMix = sharedField(controls.at("mix"));
   }
@@ -252,12 +261,10 @@ template <class Real>
 std::shared_ptr<const julia::VersorField<Real>> PlacedVersor::layer(const PlacedLayer& layer) const {
   std::shared_ptr<const julia::VersorField<Real>> field;
   const RootsSettings& settings = layer.source.roots;
-  if (layer.source.isRoots()) {
-    if (layer.octave)
-      field = std::make_shared<julia::WaveVersor<Real>>(placeWaves(settings, mEmbedding), layer.octave->get<Real>(),
-                                                        mEmbedding.dropped);
-    else
-      field = std::make_shared<julia::RationalVersor<Real>>(layer.roots.placed);
+  if (layer.waves) {
+    field = std::make_shared<julia::WaveVersor<Real>>(*layer.waves, layer.octave->get<Real>(), mEmbedding.dropped);
+  } else if (layer.source.isRoots()) {
+    field = std::make_shared<julia::RationalVersor<Real>>(layer.roots.placed);
   } else {
     if (layer.function) {
       field = std::make_shared<julia::FunctionVersor<Real>>(layer.function);
@@ -288,14 +295,14 @@ template std::shared_ptr<const julia::VersorField<double>> PlacedVersor::field()
 
 bool PlacedVersor::floatsServe(const julia::OrbitOptions& orbit) const {
   const auto serves = [&](const PlacedLayer& layer) {
-    return layer.source.isRoots() && !layer.octave ? floatsServeVersor(orbit, layer.roots.placed)
-                                                   : floatsServeWaves(orbit);
+    return layer.source.isRoots() && !layer.waves ? floatsServeVersor(orbit, layer.roots.placed)
+                                                  : floatsServeWaves(orbit);
   };
   return serves(mUnder) && (!mOver || serves(*mOver));
 }
 
 const julia::Rational* PlacedVersor::roots() const {
-  const bool isRoots = mUnder.source.isRoots() && !mUnder.octave && !mOver && !mSymmetry;
+  const bool isRoots = mUnder.source.isRoots() && !mUnder.waves && !mOver && !mSymmetry;
   return isRoots ? &mUnder.roots.placed : nullptr;
 }
 
@@ -309,7 +316,10 @@ std::optional<std::uint64_t> PlacedVersor::seed() const {
 
 void PlacedVersor::reseed(std::uint64_t seed, const MapContext& context) {
   mUnder.source.roots.random.seed = seed;
-  mUnder.roots = placeRoots(mUnder.source.roots, context.files.roots, mEmbedding, context);
+  if (mUnder.waves)
+    mUnder.waves = placeWaves(mUnder.source.roots, std::nullopt, mEmbedding);
+  else
+    mUnder.roots = placeRoots(mUnder.source.roots, context.files.roots, mEmbedding, context);
 }
 
 }  // namespace vdbtools

@@ -51,7 +51,8 @@ SharedFieldPtr sharedField(const ControlGrid& grid);
 /// One versor of the settings.
 struct PlacedLayer {
   VersorSource source;
-  PlacedRoots roots{};                       ///< of roots that are no texture of waves
+  PlacedRoots roots{};  ///< of roots that are no texture of waves
+  std::optional<julia::WaveTexture> waves{};
   SharedFieldPtr octave{};                   ///< of waves
   std::vector<SharedFieldPtr> directions{};  ///< the components of a field
   julia::DirectionFunction function{};       ///< of a formula or of the program

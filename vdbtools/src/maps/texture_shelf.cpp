@@ -111,13 +111,10 @@ class StrandRandom {
   std::uint64_t mSeed, mStream, mCounter = 0;
 };
 
-julia::WaveFactor wavesOf(const WaveStrand& strand, double scale, std::uint64_t seed,
-                          const julia::Embedding& embedding) {
+julia::WaveFactor wavesOf(const WaveStrand& strand, std::uint64_t seed) {
   const auto frequency = [&](const julia::Quaternion<double>& way) {
-    julia::Embedding placed = embedding;
-    placed.slice = way.d * strand.fourth / scale;
     const Point& by = strand.frequency;
-    return placed.quaternion<double>({way.a * by[0] / scale, way.b * by[1] / scale, way.c * by[2] / scale});
+    return julia::Quaternion<double>{way.a * by[0], way.b * by[1], way.c * by[2], way.d * strand.fourth};
   };
   if (strand.count == 1) {
     const auto& [i, j, k] = strand.turn;
@@ -136,11 +133,20 @@ julia::WaveFactor wavesOf(const WaveStrand& strand, double scale, std::uint64_t 
 
 }  // namespace
 
-julia::WaveTexture placeWaves(const Texture& texture, double scale, std::uint64_t seed,
-                              const julia::Embedding& embedding) {
+julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed) {
   julia::WaveTexture made;
-  for (const WaveStrand& strand : texture.waves) made.factors.push_back(wavesOf(strand, scale, seed, embedding));
+  for (const WaveStrand& strand : texture.waves) made.factors.push_back(wavesOf(strand, seed));
   return made;
+}
+
+julia::WaveTexture placedWaves(julia::WaveTexture waves, double scale, const julia::Embedding& embedding) {
+  for (julia::WaveFactor& factor : waves.factors)
+    for (julia::Wave& wave : factor.waves) {
+      const julia::Quaternion<double>& f = wave.frequency;
+      const julia::Embedding placed{f.d / scale, embedding.dropped};
+      wave.frequency = placed.quaternion<double>({f.a / scale, f.b / scale, f.c / scale});
+    }
+  return waves;
 }
 
 julia::Rational placeTexture(const Texture& texture, double longestSide, const julia::Embedding& embedding) {

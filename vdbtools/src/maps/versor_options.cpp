@@ -20,6 +20,7 @@ constexpr const char* kNone = "none";
 constexpr const char* kFunction = "function";
 constexpr const char* kFormula = "expr:";
 constexpr const char* kField = "field:";
+constexpr const char* kWaves = "waves:";
 
 std::string overOf(const Recipe& recipe) {
   const auto over = recipe.find("versor-over");
@@ -38,10 +39,7 @@ std::function<std::optional<std::string>(const Recipe&)> defaultWithOver(const c
   };
 }
 
-bool overFollowsThickness(const Recipe& recipe) {
-  const Texture* const texture = findTexture(overOf(recipe));
-  return texture && texture->followsThickness();
-}
+bool overFollowsThickness(const Recipe& recipe) { return followsThickness(overOf(recipe)); }
 
 std::string idleOverSeed(const OptionRun& run) {
   if (const std::string why = idleWithoutOver(run); !why.empty()) return why;
@@ -94,6 +92,11 @@ std::optional<VersorSource> parseDirections(const RecipeReader& reader, const st
     source.formula = parseFormula(reader, option, *formula);
   } else if (const std::optional<std::string> field = afterPrefix(text, kField)) {
     source.field = parseField(reader, option, *field);
+  } else if (const std::optional<std::string> waves = afterPrefix(text, kWaves)) {
+    if (waves->empty()) reader.refuse(option, "waves:FILE.json");
+    source.waves = reader.file(option, *waves);
+    const std::string frequency = option == "versor" ? "frequency" : "versor-over-frequency";
+    source.roots.frequency = parseFrequency(reader, frequency);
   } else if (text == kFunction) {
     if (!hasFunction)
       throw std::invalid_argument("--" + optionName(option) +
@@ -164,7 +167,13 @@ std::vector<const VersorSource*> sourcesOf(const VersorSettings& settings) {
 }  // namespace
 
 bool isDirections(const std::string& versor) {
-  return versor.starts_with(kFormula) || versor.starts_with(kField) || versor == kFunction;
+  return versor.starts_with(kFormula) || versor.starts_with(kField) || versor.starts_with(kWaves) ||
+         versor == kFunction;
+}
+
+bool followsThickness(const std::string& versor) {
+  const Texture* const texture = findTexture(versor);
+  return texture ? texture->followsThickness() : versor.starts_with(kWaves);
 }
 
 std::vector<OptionSpec> layerOptions() {
@@ -230,6 +239,7 @@ std::vector<NamedFile> filesOf(const VersorSettings& settings) {
   for (const VersorSource* source : sourcesOf(settings)) {
     if (source->roots.file) files.push_back(*source->roots.file);
     if (source->field) files.push_back(source->field->file);
+    if (source->waves) files.push_back(*source->waves);
     add(source->roots.frequency);
   }
   add(settings.mix);
@@ -259,10 +269,16 @@ MapFiles readFiles(const VersorSettings& settings) {
                                                            "--" + optionName(source.option)))
                         : std::nullopt;
   };
-  MapFiles files{.roots = readRoots(settings.under.roots), .directions = directions(settings.under)};
+  const auto waves = [](const VersorSource& source) {
+    return source.waves ? std::optional(readWaveFile(source.waves->path)) : std::nullopt;
+  };
+  MapFiles files{.roots = readRoots(settings.under.roots),
+                 .directions = directions(settings.under),
+                 .waves = waves(settings.under)};
   if (!settings.over) return files;
   files.overRoots = readRoots(settings.over->roots);
   files.overDirections = directions(*settings.over);
+  files.overWaves = waves(*settings.over);
   return files;
 }
 

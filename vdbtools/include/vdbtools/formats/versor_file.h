@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file versor_file.h
-/// Quaternion rationals, and thus versors, in files. The project's own format is JSON, with one root on each line:
+/// Quaternion rationals, and textures of waves, in files: the versors of the shape modulus. The project's own format is
+/// JSON, with one root on each line:
 ///
 ///   {
 ///     "juliavdb": "rational",
@@ -22,6 +23,22 @@
 /// units of the map's space, and "logScale" is the C of e^C. Numbers are read back as exactly the doubles that were
 /// written.
 ///
+/// A texture of waves (julia/wave_versor.h) has one factor after the other:
+///
+///   {
+///     "juliavdb": "waves",
+///     "version": 1,
+///     "note": "how it was made",
+///     "factors": [
+///       {"power": 1, "waves": [
+///         {"frequency": [0.5, 0, 0, 0], "cosine": [1, 0, 0, 0], "sine": [0, 1, 0, 0]}
+///       ]}
+///     ]
+///   }
+///
+/// "frequency" is [X, Y, Z, W]: cycles per unit along the axes of the target and along the fourth component, where the
+/// octave is 0. "cosine" and "sine" are the amplitudes, [A, B, C, D].
+///
 /// All functions that read may throw:
 /// @throw DataError              the content is not such a file; the message says where
 /// @throw MissingInputError      the file does not exist, is a directory, or may not be opened
@@ -31,11 +48,13 @@
 #include "vdbtools/base/fractal_space.h"
 
 #include "julia/rational.h"
+#include "julia/wave_versor.h"
 
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 
 namespace vdbtools {
 
@@ -66,5 +85,20 @@ RationalFile rationalFileFromJson(std::string_view text, const std::string& name
 ///                               extent
 std::string rationalToJson(const julia::Rational& rational, std::string_view note = {},
                            const std::optional<FittedTo>& target = {});
+
+/// A texture of waves that is not placed yet: its frequencies are along the axes of the target.
+struct WaveFile {
+  julia::WaveTexture waves;
+  std::string note;
+};
+
+/// @throw DataError  also for waves that julia::requireValid() refuses
+WaveFile readWaveFile(const std::filesystem::path& path);
+WaveFile waveFileFromJson(std::string_view text, const std::string& nameForErrors);
+/// @param note  as for rationalToJson(). @throw std::invalid_argument  as julia::requireValid()
+std::string wavesToJson(const julia::WaveTexture& waves, std::string_view note = {});
+
+/// Reads either, whichever the file holds. @throw as readRationalFile() and readWaveFile()
+std::variant<RationalFile, WaveFile> readVersorFile(const std::filesystem::path& path);
 
 }  // namespace vdbtools

@@ -46,6 +46,7 @@ struct MapFiles {
   std::optional<RationalFile> roots;
   std::optional<RationalFile> overRoots{};                       ///< of the layer over these
   std::optional<DirectionGrids> directions{}, overDirections{};  ///< instead of roots
+  std::optional<WaveFile> waves{}, overWaves{};                  ///< likewise
   std::optional<openvdb::BBoxd> region{};  ///< where the map's set lies, world units, if a file says so
 };
 

@@ -101,8 +101,9 @@ struct PlacedRoots {
 /// The seed of roots that have something random in them; none for others.
 std::optional<std::uint64_t> seedOf(const RootsSettings& settings);
 
-/// The waves of a texture that follows the thickness, scaled and moved.
-julia::WaveTexture placeWaves(const RootsSettings& settings, const julia::Embedding& embedding);
+/// Waves, scaled and moved as the settings say. @param file  those of a file; nullopt: those of the settings' texture
+julia::WaveTexture placeWaves(const RootsSettings& settings, const std::optional<WaveFile>& file,
+                              const julia::Embedding& embedding);
 
 /// @param file  what the settings' file holds, if they name one
 /// @throw std::invalid_argument  as julia::randomPolynomial(), placeTexture(), julia::scaled()

@@ -60,9 +60,10 @@ const Texture* findTexture(const std::string& name);
 /// The one that a fractal has without any option: the one that serves most shapes best.
 const Texture& defaultTexture();
 
-/// The waves of a texture that has them. @param scale  by what their lengths are multiplied, not 0
-julia::WaveTexture placeWaves(const Texture& texture, double scale, std::uint64_t seed,
-                              const julia::Embedding& embedding);
+/// The waves of a texture that has them, along the axes of the target.
+julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed);
+/// Such waves where an embedding has those axes. @param scale  by what their lengths are multiplied, not 0
+julia::WaveTexture placedWaves(julia::WaveTexture waves, double scale, const julia::Embedding& embedding);
 
 /// The texture's roots; C makes the moduli of its constant factors 1.
 /// @param longestSide  of the target, units of the map's space

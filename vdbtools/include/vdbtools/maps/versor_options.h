@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file versor_options.h
-/// The versor of the shape modulus as a recipe describes it: a texture, roots, a formula, a field of directions or a
-/// program's own function; and two of them in layers, with a symmetry.
+/// The versor of the shape modulus as a recipe describes it: a texture, roots, waves, a formula, a field of directions
+/// or a program's own function; and two of them in layers, with a symmetry.
 #pragma once
 
 #include "vdbtools/maps/direction_grids.h"
@@ -28,8 +28,8 @@ struct VersorFormula {
 
 /// A versor as one option names it: exactly one of these.
 struct VersorSource {
-  std::string option;                    ///< without dashes, for errors
-  RootsSettings roots;                   ///< a texture or roots, unless there is one of the others
+  std::string option;   ///< without dashes, for errors
+  RootsSettings roots;  ///< a texture or roots, unless there is one of the others; and how each of them is placed
   std::optional<VersorFormula> formula;  ///< expr:A,B,C[,D]
   /// field:FILE.vdb[:GRIDS]
   struct Field {
@@ -37,10 +37,11 @@ struct VersorSource {
     std::vector<std::string> grids;
   };
   std::optional<Field> field;
-  bool isFunction = false;  ///< the program's own
+  std::optional<NamedFile> waves;  ///< waves:FILE.json
+  bool isFunction = false;         ///< the program's own
 
-  bool isRoots() const { return !formula && !field && !isFunction; }
-  bool followsThickness() const { return isRoots() && roots.texture && roots.texture->followsThickness(); }
+  bool isRoots() const { return !formula && !field && !waves && !isFunction; }
+  bool followsThickness() const { return waves || (isRoots() && roots.texture && roots.texture->followsThickness()); }
 };
 
 struct VersorSettings {
@@ -53,8 +54,10 @@ struct VersorSettings {
   bool isComposed() const { return over || symmetry || !under.isRoots(); }
 };
 
-/// Whether the value of --texture is neither a texture nor roots: a formula, a field, or a function.
+/// Whether the value of --texture is neither a texture nor roots: a formula, a field, waves of a file, or a function.
 bool isDirections(const std::string& versor);
+/// Whether the value is a texture of waves, of the shelf or of a file.
+bool followsThickness(const std::string& versor);
 
 /// --texture-over, --texture-over-seed, --texture-over-frequency, --texture-mix and --texture-symmetry.
 std::vector<OptionSpec> layerOptions();
