@@ -187,6 +187,8 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";
   if (const std::string chosen = vdbtools::chosenResolutionText(scene); !chosen.empty() && !isFrame)
     report().text() << chosen << '\n';
+  if (const std::string chosen = vdbtools::chosenSdfResolutionText(scene); !chosen.empty() && !isFrame)
+    report().text() << chosen << '\n';
   // Of a sequence once: its frames are much alike.
   saysFiner = saysFiner && !tellWhatIsFiner(scene);
   if (scene.exponent()) {

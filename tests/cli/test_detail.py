@@ -68,6 +68,15 @@ class Detail(harness.CliTest):
         thin, thick = map(float, told["metadata"]["julia_thickness"].split(","))
         self.assertAlmostEqual(thin, 1, delta=0.05)
         self.assertAlmostEqual(thick, 1, delta=0.05)
+        # docs/design.md 2.8: alpha = K / h with h = 0.96 (D + O) tau, and beta from the same.
+        scale, (K, P) = float(told["metadata"]["julia_space_scale"]), map(float, told["metadata"]["julia_detail_law"].split(","))
+        h = [0.96 * (0.5 + 0.3) * tau / scale for tau in (thin, thick)]
+        self.assertAlmostEqual(low / (K / h[1]), 1, delta=1e-3)
+        self.assertAlmostEqual(high / (K / h[0]), 1, delta=0.1)
+        self.assertGreaterEqual(P, 0)
+        share = (0.3 / (0.5 + 0.3) - 0.02) / 0.96 - math.log(float(told["recipe"].get("escape", 2))) / K
+        for beta, width in zip(map(float, told["metadata"]["julia_beta_range"].split(",")), h if share > 0 else h[::-1]):
+            self.assertAlmostEqual(beta / (share * width), 1, delta=0.1)
         mesh = self.info("t.obj")
         self.assertAlmostEqual(mesh["depth"], 0.3, delta=0.02)
         self.assertEqual(mesh["parts"], 1)
@@ -97,8 +106,9 @@ class Detail(harness.CliTest):
         points, faces = harness.sphere(3)
         self.write("wire.obj", harness.obj(([(x, 0.002 * y, 0.002 * z) for x, y, z in points], faces)))
         wire = ("fractal", "wire.obj", "--resolution", 40)
-        self.refused(BAD_DATA, *wire, "-o", "w.vdb", mentions=["too thin", "--sdf-resolution"])
-        self.ok(*wire, "--sdf-resolution", 800, "-o", "w.vdb")
+        self.refused(BAD_DATA, *wire, "--sdf-resolution", 200, "-o", "w.vdb", mentions=["too thin", "--sdf-resolution"])
+        for finer in (("--sdf-resolution", 800), ()):
+            self.ok(*wire, *finer, "-o", "w.vdb")
 
     def test_an_empty_result_of_a_target_advises_no_box(self):
         run = self.run_program("fractal", "s.obj", "-o", "x.vdb", "--alpha", 10, "--beta=-0.4", *LOW)

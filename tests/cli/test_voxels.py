@@ -14,6 +14,11 @@ def plate(thickness):
     return harness.obj(([(x, thickness * y, z) for x, y, z in points], faces))
 
 
+def rod(thickness):
+    points, faces = harness.cube(1.0)
+    return harness.obj(([(x, thickness * y, thickness * z) for x, y, z in points], faces))
+
+
 class Voxels(harness.CliTest):
 
     def setUp(self):
@@ -84,7 +89,33 @@ class Voxels(harness.CliTest):
             ("fractal", "s.obj", "--resolution", "Auto", "-o", "x.vdb"),
             ("fractal", "--map", "quadratic", "--c=-0.2,0.6,0.2,0.2", "--resolution", "auto", "-o", "x.vdb"),
             ("sdf", "s.obj", "--resolution", "auto", "-o", "x.vdb"),
-            ("fractal", "s.obj", "--sdf-resolution", "auto", "-o", "x.vdb")], mentions=["resolution"])
+            ("fractal", "s.obj", "--sdf-resolution", "Auto", "-o", "x.vdb"),
+            ("fractal", "s.obj", "--sdf-resolution", "auto", "--sdf-voxel-size", 0.1, "-o", "x.vdb")], mentions=["resolution"])
+
+    def test_thin_parts_get_finer_distances(self):
+        self.write("rod.obj", rod(0.03))
+        low = ("--resolution", 60, "--detail", 0.2)
+        said = self.ok("fractal", "rod.obj", *low, "-o", "a.vdb")
+        number, = re.findall(r"^sdf-resolution (\d+): the target is slender or has thin parts$", said, re.MULTILINE)
+        self.assertGreater(int(number), 200)
+        self.assertEqual(self.info("a.vdb")["recipe"]["sdf-resolution"], number)
+        for words in (("--sdf-resolution", number), ("--sdf-resolution", "auto", "--threads", 1)):
+            self.ok("fractal", "rod.obj", *low, *words, "-o", "b.vdb")
+            self.assertEqual(self.bytes("a.vdb"), self.bytes("b.vdb"), words)
+        self.assertNotIn("sdf-resolution", self.ok("fractal", "s.obj", *low, "-o", "c.vdb"))
+        self.assertEqual(self.info("c.vdb")["recipe"]["sdf-resolution"], "200")
+
+    def test_a_sequence_of_meshes_has_one_number(self):
+        self.write("r.0001.obj", rod(0.05))
+        self.write("r.0002.obj", rod(0.025))
+        words = ("r.####.obj", "--frames", "1-2", "--resolution", 40, "--detail", 0.2)
+        self.ok("fractal", *words, "-o", "f.####.vdb")
+        numbers = {self.info(f"f.000{i}.vdb")["recipe"]["sdf-resolution"] for i in (1, 2)}
+        self.assertEqual(len(numbers), 1)
+        self.ok("fractal", "r.0002.obj", *words[3:], "-o", "alone.vdb")
+        self.assertEqual(numbers, {self.info("alone.vdb")["recipe"]["sdf-resolution"]})
+        self.ok("plan", "frames", *words, "-o", "plan")
+        self.assertRegex(self.bytes("plan/manifest.json").decode(), f'"sdf-resolution":\\s*"{numbers.pop()}"')
 
 
 if __name__ == "__main__":

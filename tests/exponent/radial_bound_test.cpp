@@ -131,8 +131,8 @@ TEST(RadialBound, ValuesThatAreNotKnownHaveTheGivenBound) {
                        hollow = test_fields::bandGrid(ball, kLattice, 0.1, 0.25);
   Monitor monitor;
   const auto boundWith = [&](const FloatGrid& grid, double inside) {
-    return RadialBound(grid.tree(), grid.transform(), Vec3d(0), 1, Interpolation::Trilinear, inside, 3 * steepest(grid),
-                       monitor)
+    return RadialBound(grid.tree(), grid.transform(), Vec3d(0), 1, Interpolation::Trilinear, inside,
+                       3 * steepest(*whole), monitor)
         .maximum(inside, monitor);
   };
   const auto all = boundWith(*whole, -1), some = boundWith(*hollow, -0.25 + kLattice);

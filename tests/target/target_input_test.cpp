@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The distances of a target in a band: the same bits, however much wider the distances are that it is taken from.
+// The distances of a target in a band: the same bits, however much wider the distances are that it is taken from. The
+// voxels that they have if nobody chose them.
 #include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
@@ -31,7 +32,7 @@ class BandOfATarget : public testing::Test {
     TargetOptions options;
     options.mesh = std::make_shared<const Mesh>(mesh);
     options.input.path = "mesh";
-    options.sdfVoxels.resolution = 21.3;
+    options.sdfVoxels = VoxelChoice{.resolution = 21.3};
     options.mend = mend;
     return options;
   }
@@ -120,10 +121,10 @@ TEST_F(BandOfATarget, TheSurveyOfACloudEnclosesWhatTheDistancesEnclose) {
     for (const Vec3d& point : sphere.points)
       if (std::hypot(point[0], point[1]) > hole || point[2] < 0) cloud.points.push_back(point);
     TargetOptions options = optionsOf(cloud, {.pointsRadius = 0.15});
-    options.sdfVoxels.resolution = 60;
+    options.sdfVoxels = VoxelChoice{.resolution = 60};
     const std::unique_ptr<const TargetInput> input = openTarget(options);
     const FloatGrid::ConstPtr fine = input->distances({0.1, 0.1, true}, mMonitor).phi,
-                              coarse = input->coarseDistances(mMonitor);
+                              coarse = input->coarseDistances(mMonitor).phi;
     const auto at = [](const FloatGrid& grid) {
       return grid.tree().getValue(openvdb::Coord::round(grid.worldToIndex(Vec3d(0))));
     };
@@ -132,6 +133,55 @@ TEST_F(BandOfATarget, TheSurveyOfACloudEnclosesWhatTheDistancesEnclose) {
   }
   EXPECT_GT(open, 0);
   EXPECT_GT(closed, 0);
+}
+
+class ChosenSdfResolution : public BandOfATarget {
+ protected:
+  static TargetOptions boxOf(const Vec3d& sides) {
+    TargetOptions options = optionsOf(makeBox(sides * -0.5, sides * 0.5), {});
+    options.sdfVoxels.reset();
+    return options;
+  }
+  double chosenFor(const Vec3d& sides) { return openTarget(boxOf(sides))->chosenSdfResolution(mMonitor).value(); }
+};
+
+TEST_F(ChosenSdfResolution, ThinPartsHaveEightVoxels) {
+  EXPECT_EQ(chosenFor(Vec3d(1)), kUsualSdfResolution);
+  EXPECT_EQ(chosenFor(Vec3d(1, 0.7, 0.5)), kUsualSdfResolution);
+  for (const double thin : {0.01, 0.013}) {
+    const double chosen = chosenFor(Vec3d(1, thin, thin));
+    // A corner of a square rod is nearer to its edges than to its deepest line.
+    EXPECT_GT(chosen * thin, 8 * 0.95) << thin;
+    EXPECT_LT(chosen * thin, 8 * 1.4) << thin;
+    EXPECT_EQ(std::remainder(chosen, 10), 0) << thin;
+    EXPECT_NEAR(chosenFor(Vec3d(1000, 1000 * thin, 1000 * thin)), chosen, 10) << thin;
+  }
+}
+
+TEST_F(ChosenSdfResolution, TheSurfaceHasNoMoreVoxelsThanTheLimit) {
+  constexpr double kThin = 0.01, kArea = 3 * (2 + 4 * kThin);
+  TargetOptions options = boxOf(Vec3d(1));
+  Mesh plates;
+  for (const double z : {-0.4, 0.0, 0.4})
+    plates = merged(plates, makeBox(Vec3d(-0.5, -0.5, z), Vec3d(0.5, 0.5, z + kThin)));
+  options.mesh = std::make_shared<const Mesh>(plates);
+  const double chosen = openTarget(options)->chosenSdfResolution(mMonitor).value();
+  EXPECT_GT(chosen, kUsualSdfResolution);
+  EXPECT_NEAR(kArea * chosen * chosen, 400'000, 0.1 * 400'000);
+}
+
+TEST_F(ChosenSdfResolution, DistancesHaveTheVoxelsOfTheSameNumberGiven) {
+  TargetOptions options = boxOf(Vec3d(1, 0.015, 0.02));
+  const std::unique_ptr<const TargetInput> chooses = openTarget(options);
+  options.sdfVoxels = VoxelChoice{.resolution = chooses->chosenSdfResolution(mMonitor)};
+  const std::unique_ptr<const TargetInput> given = openTarget(options);
+  EXPECT_EQ(given->chosenSdfResolution(mMonitor), std::nullopt);
+  const BandWidths widths{0.02, 0.02, false};
+  expectSame(chooses->distances(widths, mMonitor), given->distances(widths, mMonitor));
+  const auto survey = [&](const TargetInput& input) {
+    return makeTarget(std::const_pointer_cast<FloatGrid>(input.coarseDistances(mMonitor).phi), input.box());
+  };
+  expectSame(survey(*chooses), survey(*given));
 }
 
 }  // namespace

@@ -309,7 +309,7 @@ std::string ExploreSession::targetMesh(Monitor& monitor) {
   if (mesh && mesh->triangles.size() <= kMostTargetTriangles)
     mTargetMesh = meshBytes(*mesh, input->box());
   else
-    mTargetMesh = meshBytes(meshOfLevelSet(*input->coarseDistances(monitor), monitor), input->box());
+    mTargetMesh = meshBytes(meshOfLevelSet(*input->coarseDistances(monitor).phi, monitor), input->box());
   mMeshOf = input;
   return mTargetMesh;
 }

@@ -19,15 +19,16 @@ class SharedInput final : public TargetInput {
 
   const openvdb::BBoxd& box() const override { return mInput->box(); }
   double usualDepth() const override { return mInput->usualDepth(); }
+  std::optional<double> chosenSdfResolution(Monitor& monitor) const override {
+    return mInput->chosenSdfResolution(monitor);
+  }
   Target distances(const BandWidths& widths, Monitor& monitor) const override {
     return mInput->distances(widths, monitor);
   }
   Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const override {
     return mInput->band(distances, widths, monitor);
   }
-  openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
-    return mInput->coarseDistances(monitor);
-  }
+  CoarseDistances coarseDistances(Monitor& monitor) const override { return mInput->coarseDistances(monitor); }
   std::shared_ptr<const Mesh> solid() const override { return mInput->solid(); }
   std::shared_ptr<const Mesh> mesh() const override { return mInput->mesh(); }
 

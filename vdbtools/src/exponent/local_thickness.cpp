@@ -308,6 +308,23 @@ LocalThickness ThicknessFinder::limitedTo(double slope, Monitor& monitor) const 
   return result;
 }
 
+std::optional<double> ThicknessFinder::leastThickness(double share, Monitor& monitor) const {
+  constexpr float kSlope = 0.5f;
+  Lattice tau = mFound->tau;
+  // tau from above: it falls from a thick part no faster than with this slope.
+  for (float& value : tau.values) value = -value;
+  limitSlope(tau, kSlope);
+  monitor.throwIfCancelled();
+  std::vector<float> radii;
+  for (std::size_t i = 0; i < tau.values.size(); ++i)
+    if (std::abs(mFound->depth.values[i]) < 1) radii.push_back(-tau.values[i]);
+  if (radii.empty()) return std::nullopt;
+  const auto last = static_cast<double>(radii.size() - 1);
+  const auto thin = radii.begin() + static_cast<std::ptrdiff_t>(share * last);
+  std::nth_element(radii.begin(), thin, radii.end());
+  return 2 * mFound->voxel * static_cast<double>(*thin);
+}
+
 LocalThickness localThickness(const FloatGrid& phi, Monitor& monitor, double slope) {
   return ThicknessFinder(phi, monitor).limitedTo(slope, monitor);
 }

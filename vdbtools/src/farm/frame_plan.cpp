@@ -9,6 +9,7 @@
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
+#include "vdbtools/target/target_input.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -62,20 +63,51 @@ Recipe recipeAt(const FramePlanOptions& options, int frame) {
   for (const std::string& name : animatedFiles(recipe, table))
     recipe = overridden(recipe, {{name, expandFrame(recipe.at(name), frame)}}, table);
   if (options.resolution && hasAutomaticResolution(recipe)) recipe["resolution"] = numbersText({*options.resolution});
+  if (options.sdfResolution && hasAutomaticSdfResolution(recipe))
+    recipe["sdf-resolution"] = numbersText({*options.sdfResolution});
   return recipe;
 }
 
-void chooseResolution(FramePlanOptions& options, Monitor& monitor) {
+namespace {
+
+/// The first frame, the middle one, and the last of those that count.
+template <class Counts>
+std::set<int> sampleFrames(const FramePlanOptions& options, const Counts& counts) {
   std::vector<int> frames;
   for (const int frame : options.frames)
-    if (hasAutomaticResolution(recipeAt(options, frame))) frames.push_back(frame);
-  if (frames.empty()) return;
-  double resolution = 0;
-  for (const int frame : std::set<int>{frames.front(), frames[frames.size() / 2], frames.back()}) {
-    const Recipe recipe = completeRecipe(recipeAt(options, frame), fractalOptionTable());
-    resolution = std::max(resolution, makeScene(parseFractalOptions(recipe), monitor).chosenResolution->resolution);
+    if (counts(recipeAt(options, frame))) frames.push_back(frame);
+  if (frames.empty()) return {};
+  return {frames.front(), frames[frames.size() / 2], frames.back()};
+}
+
+FractalOptions optionsAt(const FramePlanOptions& options, int frame) {
+  return parseFractalOptions(completeRecipe(recipeAt(options, frame), fractalOptionTable()));
+}
+
+void chooseSdfResolution(FramePlanOptions& options, Monitor& monitor) {
+  std::vector<TargetOptions> targets;
+  for (const int frame : sampleFrames(options, hasAutomaticSdfResolution)) {
+    TargetOptions target = optionsAt(options, frame).target.value();
+    if (std::find(targets.begin(), targets.end(), target) == targets.end()) targets.push_back(std::move(target));
   }
-  options.resolution = resolution;
+  if (targets.size() < 2) return;  // each frame chooses the same
+  for (const TargetOptions& target : targets) {
+    // A file that is missing is named with the others.
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(target.input.path, error)) continue;
+    if (const std::optional<double> chosen = openTarget(target)->chosenSdfResolution(monitor))
+      options.sdfResolution = std::max(*chosen, options.sdfResolution.value_or(0));
+  }
+}
+
+}  // namespace
+
+void chooseResolution(FramePlanOptions& options, Monitor& monitor) {
+  chooseSdfResolution(options, monitor);
+  double resolution = 0;
+  for (const int frame : sampleFrames(options, hasAutomaticResolution))
+    resolution = std::max(resolution, makeScene(optionsAt(options, frame), monitor).chosenResolution->resolution);
+  if (resolution > 0) options.resolution = resolution;
 }
 
 void requireKeysWithoutPatterns(const FramePlanOptions& options) {

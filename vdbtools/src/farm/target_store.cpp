@@ -56,6 +56,9 @@ class KeptTarget final : public TargetInput {
 
   const openvdb::BBoxd& box() const override { return mInput->box(); }
   double usualDepth() const override { return mInput->usualDepth(); }
+  std::optional<double> chosenSdfResolution(Monitor& monitor) const override {
+    return mInput->chosenSdfResolution(monitor);
+  }
   std::shared_ptr<const Mesh> solid() const override { return mInput->solid(); }
   std::shared_ptr<const Mesh> mesh() const override { return mInput->mesh(); }
 
@@ -81,11 +84,11 @@ class KeptTarget final : public TargetInput {
     return mInput->band(distances, widths, monitor);
   }
 
-  FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
+  CoarseDistances coarseDistances(Monitor& monitor) const override {
     const fs::path path = pathOf("survey");
-    if (std::optional<KeptBand> kept = readBand(path)) return kept->target.phi;
-    FloatGrid::ConstPtr coarse = mInput->coarseDistances(monitor);
-    keep(path, {.phi = std::const_pointer_cast<FloatGrid>(coarse), .box = {}}, {});
+    if (std::optional<KeptBand> kept = readBand(path)) return {kept->target.phi};
+    CoarseDistances coarse = mInput->coarseDistances(monitor);
+    keep(path, {.phi = std::const_pointer_cast<FloatGrid>(coarse.phi), .box = {}}, {});
     return coarse;
   }
 
@@ -143,16 +146,19 @@ class KeptTarget final : public TargetInput {
   std::function<bool(const std::string&)> mKeeps;
 };
 
+std::string voxelsText(const std::optional<VoxelChoice>& voxels) {
+  if (!voxels) return " voxels as needed";
+  if (voxels->voxelSize) return " voxels of " + numbersText({*voxels->voxelSize});
+  return " voxels " + numbersText({voxels->resolution.value()});
+}
+
 }  // namespace
 
 std::string targetKey(const TargetOptions& options) {
   if (options.input.expectedHash.empty() || (!options.mesh && isVdbPath(options.input.path))) return {};
-  const VoxelChoice& voxels = options.sdfVoxels;
   const std::string text =
-      options.input.expectedHash + lowerExtension(options.input.path) +
-      (voxels.voxelSize ? " voxels of " + numbersText({*voxels.voxelSize})
-                        : " voxels " + numbersText({voxels.resolution.value()})) +
-      ' ' + mendText(options.mend) +
+      options.input.expectedHash + lowerExtension(options.input.path) + voxelsText(options.sdfVoxels) + ' ' +
+      mendText(options.mend) +
       (options.moment ? " at " + numbersText({options.moment->seconds}) + ' ' + options.moment->animation : "");
   return sha256Hex(text).substr(0, kKeyDigits);
 }

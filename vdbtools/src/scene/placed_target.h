@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace vdbtools {
 
@@ -50,7 +51,10 @@ class SharedTarget {
   const TargetInput& input() const { return *mInput; }
 
   TargetSurvey& survey(Monitor& monitor) {
-    if (!mSurvey) mSurvey.emplace(mInput->coarseDistances(monitor), mInput->solid());
+    if (!mSurvey) {
+      CoarseDistances coarse = mInput->coarseDistances(monitor);
+      mSurvey.emplace(std::move(coarse.phi), mInput->solid(), std::move(coarse.thickness));
+    }
     return *mSurvey;
   }
 

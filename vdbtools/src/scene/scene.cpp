@@ -14,6 +14,8 @@
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/voxel_advice.h"
 
+#include "julia/detail.h"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -127,9 +129,14 @@ Metadata spaceMetadata(const FractalSpace& space) {
 
 Metadata shellMetadata(const ExponentGrid& exponent) {
   const auto text = [](const std::pair<double, double>& range) { return numbersText({range.first, range.second}); };
-  return {{"julia_shell", numbersText({exponent.shell.lower, exponent.shell.upper})},
-          {"julia_alpha_range", text(exponent.alphaRange)},
-          {"julia_beta_range", text(exponent.betaRange)}};
+  Metadata metadata{{"julia_shell", numbersText({exponent.shell.lower, exponent.shell.upper})},
+                    {"julia_alpha_range", text(exponent.alphaRange)},
+                    {"julia_beta_range", text(exponent.betaRange)}};
+  // K and P of docs/design.md 2.8.
+  if (exponent.scale)
+    metadata["julia_detail_law"] =
+        numbersText({*exponent.scale, exponent.knee.more * julia::DetailLaw::kPlunge * *exponent.scale});
+  return metadata;
 }
 
 Metadata targetMetadata(const Target& target) {
@@ -234,6 +241,8 @@ std::optional<LengthUnit> unitOfTarget(const FractalOptions& options) {
 BBoxd setTarget(Scene& scene, SharedTarget& shared, Monitor& monitor) {
   const FractalOptions& options = scene.options;
   const BBoxd shape = shared.input().box();
+  scene.chosenSdfResolution = shared.input().chosenSdfResolution(monitor);
+  if (scene.chosenSdfResolution) scene.options.target->sdfVoxels = VoxelChoice{.resolution = scene.chosenSdfResolution};
   SceneTarget& target = scene.target.emplace();
   target.mesh = transferredMesh(options, shared.input());
   const ShellSettings* const shell = options.map->shell();
@@ -327,6 +336,13 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   return scene;
 }
 
+LocalThickness SceneMaker::thickness(const FractalOptions& options, double slope, Monitor& monitor) {
+  openvdb::initialize();
+  requireTarget(options);
+  Metadata hashes;
+  return mShared->over(options, hashes).survey(monitor).thickness(monitor, slope);
+}
+
 VersorSeeds::VersorSeeds(const Scene& scene) : mScene(scene) {
   if (scene.field.map->seed() && scene.target) return;
   const std::vector<NamedFile> files = scene.options.map->files();
@@ -382,6 +398,7 @@ BBoxd meshBox(const FieldPlan& plan) {
 
 Recipe resolvedRecipe(const Scene& scene, Recipe recipe) {
   if (scene.chosenResolution) recipe["resolution"] = numbersText({scene.chosenResolution->resolution});
+  if (scene.chosenSdfResolution) recipe["sdf-resolution"] = numbersText({*scene.chosenSdfResolution});
   return recipe;
 }
 

@@ -147,4 +147,9 @@ std::string chosenResolutionText(const Scene& scene) {
   return text + "limited by the memory that is left; --memory sets another limit";
 }
 
+std::string chosenSdfResolutionText(const Scene& scene) {
+  if (scene.chosenSdfResolution.value_or(0) <= kUsualSdfResolution) return {};
+  return "sdf-resolution " + shortText(*scene.chosenSdfResolution) + ": the target is slender or has thin parts";
+}
+
 }  // namespace vdbtools

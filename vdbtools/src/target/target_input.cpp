@@ -4,6 +4,7 @@
 #include "base/elementary.h"
 #include "base/lattice_transform.h"
 #include "distance/band_growth.h"
+#include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
 #include "distance/united_parts.h"
 #include "repair/solid_input.h"
@@ -22,6 +23,8 @@
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace vdbtools {
 namespace {
@@ -32,7 +35,8 @@ using openvdb::FloatGrid;
 using openvdb::Vec3d;
 
 constexpr double kWholeInside = std::numeric_limits<double>::infinity();
-constexpr double kSurveyMargin = 4;  ///< voxels known outside, in the survey
+constexpr const char* kAutomatic = "auto";  ///< a value of --sdf-resolution
+constexpr double kSurveyMargin = 4;         ///< voxels known outside, in the survey
 
 /// Distances on the lattice of a survey. @param deep  known in the whole inside, and as far outside as the survey
 /// reaches
@@ -59,28 +63,33 @@ FloatGrid::ConstPtr resampled(const Target& deep, double voxel) {
 class MeshInput final : public TargetInput {
  public:
   explicit MeshInput(const TargetOptions& options)
-      : mSource(openSolid(options.input.path, options.mesh, options.mend, options.moment)),
-        mVoxel(options.sdfVoxels.sizeFor(longestSide(mSource.box))),
-        mMend(options.mend) {
-    requireResolved(mMend, mVoxel);
+      : mSource(openSolid(options.input.path, options.mesh, options.mend, options.moment)), mMend(options.mend) {
+    const VoxelChoice usual{.resolution = kUsualSdfResolution};
+    const double voxel = options.sdfVoxels.value_or(usual).sizeFor(longestSide(mSource.box));
+    requireResolved(mMend, voxel);
     // A target for which even the narrowest band is too large is refused before the survey, which takes a while.
     constexpr double kNarrowest = 1.5;
-    if (mMend.offset() == 0) checkOptions(mSource.report, sdfBand(mVoxel, kNarrowest, kNarrowest));
+    if (mMend.offset() == 0) checkOptions(mSource.report, sdfBand(voxel, kNarrowest, kNarrowest));
+    // Of a mesh that gets walls, or a cloud that gets balls, the thickness was given in view of the voxels.
+    if (options.sdfVoxels)
+      mVoxels = Voxels{voxel, std::nullopt};
+    else if (mMend.offset() > 0)
+      mVoxels = Voxels{voxel, kUsualSdfResolution};
   }
 
   const BBoxd& box() const override { return mSource.box; }
   double usualDepth() const override { return 5.5; }
 
   Target distances(const BandWidths& widths, Monitor& monitor) const override {
-    const MeshSdf sdf = makeSdfAbout(mSource.box.getCenter(), *mSource.solid, sdfBandOf(widths), mMend, monitor);
+    const MeshSdf sdf = sdfOf(sdfBandOf(widths, monitor), monitor);
     Target target = makeTarget(sdf.grid, mSource.box);
     target.repairMoved = sdf.moved;
     if (sdf.united > 0) target.phi->insertMeta(kUnitedParts, openvdb::StringMetadata(std::to_string(sdf.united)));
     return target;
   }
 
-  Target band(const Target& distances, const BandWidths& widths, Monitor&) const override {
-    const FloatGrid::Ptr phi = narrowed(distances.phi, sdfBandOf(widths));
+  Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const override {
+    const FloatGrid::Ptr phi = narrowed(distances.phi, sdfBandOf(widths, monitor));
     if (phi == distances.phi) return distances;
     Target target = makeTarget(phi, distances.box);
     target.repairMoved = distances.repairMoved;
@@ -88,20 +97,20 @@ class MeshInput final : public TargetInput {
     return target;
   }
 
-  FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
-    const double voxel = std::max(mVoxel, surveyVoxel(mSource.box));
+  CoarseDistances coarseDistances(Monitor& monitor) const override {
+    const Voxels known = voxels(monitor);
+    if (known.survey.phi) return known.survey;
+    const double voxel = std::max(known.size, surveyVoxel(mSource.box));
     // Coarse voxels would close holes between points, or in a sheet, that the distances leave open; what a surface with
     // a hole encloses is not inside.
     if (mMend.offset() > 0) {
-      const MeshToSdfOptions deep = sdfBand(mVoxel, 2 * kSurveyMargin * voxel / mVoxel, kWholeInside);
-      return resampled(
-          makeTarget(makeSdfAbout(mSource.box.getCenter(), *mSource.solid, deep, mMend, monitor).grid, mSource.box),
-          voxel);
+      const MeshToSdfOptions deep = sdfBand(known.size, 2 * kSurveyMargin * voxel / known.size, kWholeInside);
+      return {resampled(makeTarget(sdfOf(deep, monitor).grid, mSource.box), voxel)};
     }
-    return makeSdfAbout(mSource.box.getCenter(), *mSource.solid, sdfBand(voxel, kSurveyMargin, kWholeInside), mMend,
-                        monitor)
-        .grid;
+    return {sdfOf(sdfBand(voxel, kSurveyMargin, kWholeInside), monitor).grid};
   }
+
+  std::optional<double> chosenSdfResolution(Monitor& monitor) const override { return voxels(monitor).chosen; }
 
   std::shared_ptr<const Mesh> solid() const override {
     return mMend.offset() > 0 || (mMend.repair && !mMend.solidify) ? nullptr : mSource.solid;
@@ -109,14 +118,54 @@ class MeshInput final : public TargetInput {
   std::shared_ptr<const Mesh> mesh() const override { return mSource.mesh; }
 
  private:
-  MeshToSdfOptions sdfBandOf(const BandWidths& widths) const {
-    const double interior = widths.wholeInside ? kWholeInside : widths.interior;
-    return sdfBand(mVoxel, widths.exterior / mVoxel + kExponentMargin, interior / mVoxel + kExponentMargin);
+  struct Voxels {
+    double size = 0;               ///< world units
+    std::optional<double> chosen;  ///< voxels along the longest side; nullopt if they were given
+    CoarseDistances survey{};      ///< by which they were chosen
+  };
+
+  MeshSdf sdfOf(const MeshToSdfOptions& options, Monitor& monitor) const {
+    return makeSdfAbout(mSource.box.getCenter(), *mSource.solid, options, mMend, monitor);
+  }
+
+  MeshToSdfOptions sdfBandOf(const BandWidths& widths, Monitor& monitor) const {
+    const double interior = widths.wholeInside ? kWholeInside : widths.interior, voxel = voxels(monitor).size;
+    return sdfBand(voxel, widths.exterior / voxel + kExponentMargin, interior / voxel + kExponentMargin);
+  }
+
+  Voxels voxels(Monitor& monitor) const {
+    const std::lock_guard lock(mMutex);
+    if (!mVoxels) mVoxels = chosenVoxels(monitor);
+    return *mVoxels;
+  }
+
+  /// What chosenSdfResolution() promises. The limit does not depend on the memory of the machine, so that every machine
+  /// makes the same set.
+  Voxels chosenVoxels(Monitor& monitor) const {
+    constexpr double kShare = 0.05, kAcross = 8, kMostOnSurface = 400'000, kTens = 10, kRounding = 1e-9;
+    const double side = longestSide(mSource.box), coarse = surveyVoxel(mSource.box);
+    Voxels result{.survey = {sdfOf(sdfBand(coarse, kSurveyMargin, kWholeInside), monitor).grid}};
+    double resolution = std::max(kUsualSdfResolution, side / coarse);
+    try {
+      result.survey.thickness.emplace(*result.survey.phi, monitor);
+      if (const std::optional<double> thin = result.survey.thickness->leastThickness(kShare, monitor))
+        resolution = std::max(
+            resolution, std::min(kAcross / *thin,
+                                 std::sqrt(kMostOnSurface / areaOf(mSource.solid->triangles, mSource.solid->points))) *
+                            side);
+    } catch (const DataError&) {
+      // It has no inside at these voxels; the finer ones will show whether it has one.
+    }
+    resolution = kTens * std::ceil(resolution / kTens * (1 - kRounding));
+    result.chosen = resolution;
+    result.size = VoxelChoice{.resolution = resolution}.sizeFor(side);
+    return result;
   }
 
   SolidSource mSource;
-  double mVoxel;
   MendOptions mMend;
+  mutable std::mutex mMutex;  // guards what follows
+  mutable std::optional<Voxels> mVoxels;
 };
 
 class VdbInput final : public TargetInput {
@@ -125,6 +174,7 @@ class VdbInput final : public TargetInput {
 
   const BBoxd& box() const override { return mTarget.box; }
   double usualDepth() const override { return 2.5; }
+  std::optional<double> chosenSdfResolution(Monitor&) const override { return std::nullopt; }
 
   Target distances(const BandWidths&, Monitor&) const override { return mTarget; }
   /// The result of sweeping depends on how far it goes, so each band is swept from the file's own band.
@@ -134,12 +184,12 @@ class VdbInput final : public TargetInput {
     return widths.wholeInside ? grown(mWhole, near, widths.exterior, kWholeInside, monitor) : near;
   }
 
-  FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const override {
+  CoarseDistances coarseDistances(Monitor& monitor) const override {
     const Vec3d size = mTarget.phi->voxelSize();
     const double finest = std::min({size[0], size[1], size[2]}), voxel = std::max(finest, surveyVoxel(mTarget.box));
     Target deep = mTarget;
     extendBand(deep, kSurveyMargin * voxel, kWholeInside, monitor);
-    return resampled(deep, voxel);
+    return {resampled(deep, voxel)};
   }
 
  private:
@@ -251,9 +301,10 @@ std::vector<OptionSpec> targetOptionSpecs() {
        .help = "which grid of the input VDB to use",
        .idle = idleWithoutVdb},
       {.name = "sdf-resolution",
-       .argument = "N",
-       .defaultValue = "200",
-       .help = "voxels of the target's distance field along its longest side; the fractal depends on this",
+       .argument = "N|auto",
+       .defaultValue = kAutomatic,
+       .help = "voxels of the target's distance field along its longest side; the fractal depends on this. auto: 200, "
+               "or more where thin parts need them",
        .alternative = "sdf-voxel-size",
        .idle = idleWithoutMesh},
       {.name = "sdf-voxel-size",
@@ -267,14 +318,30 @@ std::vector<OptionSpec> targetOptionSpecs() {
   return options;
 }
 
+namespace {
+
+std::optional<VoxelChoice> parseSdfVoxels(const RecipeReader& reader) {
+  if (!reader.has("sdf-voxel-size")) {
+    if (reader.text("sdf-resolution") == kAutomatic) return std::nullopt;
+    if (!numberFromText(reader.text("sdf-resolution"))) reader.refuse("sdf-resolution", "a number of voxels, or auto");
+  }
+  return reader.voxels("sdf-resolution", "sdf-voxel-size");
+}
+
+}  // namespace
+
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
-  TargetOptions options{.input = reader.file("input"),
-                        .grid = reader.text("grid"),
-                        .sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size"),
-                        .mend = parseMendOptions(reader)};
+  TargetOptions options{.input = reader.file("input"), .grid = reader.text("grid"), .mend = parseMendOptions(reader)};
+  options.sdfVoxels = parseSdfVoxels(reader);
   options.moment = parseMomentOptions(reader, options.input.path);
   if (options.input.path.empty()) return std::nullopt;
   return options;
+}
+
+bool hasAutomaticSdfResolution(const Recipe& recipe) {
+  const auto input = recipe.find("input"), resolution = recipe.find("sdf-resolution");
+  return input != recipe.end() && !input->second.empty() && !isVdbPath(input->second) &&
+         !recipe.contains("sdf-voxel-size") && (resolution == recipe.end() || resolution->second == kAutomatic);
 }
 
 std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options) {

@@ -11,6 +11,7 @@
 #include "vdbtools/base/monitor.h"
 
 #include <memory>
+#include <optional>
 
 namespace vdbtools {
 
@@ -50,6 +51,12 @@ class ThicknessFinder {
 
   /// @throw Interrupted
   LocalThickness limitedTo(double slope, Monitor& monitor) const;
+
+  /// The thickness that all but @a share of the surface has at least, from 0 to 1. What lies beside a thick part counts
+  /// as thick, up to a distance of twice its radius: so edges, at which tau falls to 0, are not taken for thin parts.
+  /// Twice the radius that tau has there, world units; nullopt if no node is within a voxel of the surface.
+  /// @throw Interrupted
+  std::optional<double> leastThickness(double share, Monitor& monitor) const;
 
  private:
   struct Found;

@@ -60,6 +60,7 @@ struct FramePlanOptions {
   std::string name;                       ///< base name of the files; empty: named after the target, or else the map
   std::vector<std::string> makes{"vdb"};  ///< any of "vdb" and the formats of meshes
   std::optional<double> resolution{};     ///< the value of `--resolution auto` at every frame that has it
+  std::optional<double> sdfResolution{};  ///< that of `--sdf-resolution auto`, likewise
 };
 
 /// If the target is one glTF with animations, and its frame is neither given nor keyed, gives each frame its own number
@@ -67,7 +68,8 @@ struct FramePlanOptions {
 void playTarget(FramePlanOptions& options);
 
 /// Sets options.resolution if a frame has `auto`: to the largest number that the first of these frames, the middle one
-/// and the last would choose by themselves, so that the frames of a sequence have matching voxels.
+/// and the last would choose by themselves, so that the frames of a sequence have matching voxels. Sets
+/// options.sdfResolution likewise, if the target changes from frame to frame.
 /// @throw as makeScene()
 void chooseResolution(FramePlanOptions& options, Monitor& monitor);
 

@@ -92,6 +92,7 @@ struct Scene {
   PlacedSpace placed;    ///< where the options place the set; the exponent, the octave and the controls lie there
   double voxelSize = 0;  ///< of the result, world units
   std::optional<ChosenResolution> chosenResolution;  ///< of `auto`; the options have the number
+  std::optional<double> chosenSdfResolution;  ///< of the target's distances, if it was not given; the options have it
   SceneField field;
   Metadata metadata;
 
@@ -117,6 +118,9 @@ class SceneMaker {
 
   /// @throw what reading, repairing and the options' checks throw
   Scene make(const FractalOptions& options, Monitor& monitor);
+  /// The local thickness of the options' target, limited in slope to @a slope alone.
+  /// @throw as make()
+  LocalThickness thickness(const FractalOptions& options, double slope, Monitor& monitor);
 
  private:
   struct Shared;

@@ -38,6 +38,9 @@ std::string coarseFloatsText(const Scene& scene);
 /// How `--resolution auto` came to its number: "resolution 440: ..."; empty for a scene whose resolution was given.
 std::string chosenResolutionText(const Scene& scene);
 
+/// A sentence about distances finer than usual, which thin parts of the target need; empty if they are the usual ones.
+std::string chosenSdfResolutionText(const Scene& scene);
+
 /// The number that `--resolution auto` stands for, a multiple of 10: the least one whose voxels would do by
 /// adviseVoxels(), and 300 to 1000 voxels along the longest side of the target or of the box, as far as memory allows.
 /// A core that needs more than 1000 is left out of account.

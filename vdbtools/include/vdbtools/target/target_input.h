@@ -11,6 +11,7 @@
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/base/voxel_choice.h"
 #include "vdbtools/distance/target.h"
+#include "vdbtools/exponent/local_thickness.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh_files/mesh_animation.h"
@@ -29,8 +30,9 @@ struct TargetOptions {
   std::shared_ptr<const Mesh> mesh;    ///< a target in memory, for which nothing is read; input.path is its name
   std::string grid;                    ///< of a VDB input; empty: its only one
   std::optional<MeshMoment> moment{};  ///< of a glTF input, at which its animation is shown
-  VoxelChoice sdfVoxels;               ///< the voxels of a mesh's distance field
-  MendOptions mend;                    ///< how a mesh is mended
+  /// The voxels of a mesh's distance field; nullopt: as many as its thin parts need.
+  std::optional<VoxelChoice> sdfVoxels{};
+  MendOptions mend;  ///< how a mesh is mended
 
   bool operator==(const TargetOptions&) const = default;
 };
@@ -42,6 +44,9 @@ std::vector<OptionSpec> targetOptionSpecs();
 /// The SHA-256 of a mesh: of its points as three doubles each, followed by its triangles as three 32-bit numbers each,
 /// all little-endian.
 std::string sha256OfMesh(const Mesh& mesh);
+
+/// Whether the voxels of a recipe's mesh are chosen by its thin parts.
+bool hasAutomaticSdfResolution(const Recipe& recipe);
 
 /// Returns nullopt if the recipe names no input. @throw std::invalid_argument
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader);
@@ -65,12 +70,28 @@ struct BandWidths {
 /// thin beside its length are resolved in a wire or a tree, too.
 double surveyVoxel(const openvdb::BBoxd& box);
 
+/// The voxels along the longest side that a mesh's distances have if nobody chose them, unless thin parts need more.
+inline constexpr double kUsualSdfResolution = 200;
+
+/// Distances on the lattice of a survey.
+struct CoarseDistances {
+  openvdb::FloatGrid::ConstPtr phi;
+  std::optional<ThicknessFinder> thickness{};  ///< the local thickness, if it was found on the way
+};
+
 /// An opened target. Its box is known; its distances are computed on request.
 class TargetInput {
  public:
   virtual ~TargetInput() = default;
 
   virtual const openvdb::BBoxd& box() const = 0;  ///< bounds of the shape, world units
+
+  /// The number of voxels along the longest side that was chosen for the distances, a multiple of 10; nullopt if it was
+  /// given, or for a VDB. It depends on the target alone: a twentieth of the surface may belong to parts that are less
+  /// than 8 voxels thick, unless this would take more than 400,000 voxels on the surface; and there are
+  /// kUsualSdfResolution, or those of surveyVoxel(), at least.
+  /// @throw DataError, Interrupted
+  virtual std::optional<double> chosenSdfResolution(Monitor& monitor) const = 0;
 
   /// -E at the depth to which distances should be computed first. Most targets are trapped before; computing a mesh's
   /// distances again costs more than going deep at once, while a VDB may already have them.
@@ -89,7 +110,7 @@ class TargetInput {
   /// Distances over the whole inside and a few voxels outside, on a lattice with voxels of surveyVoxel(), or of the
   /// distances' own size if this is larger. So what is surveyed does not depend on how fine they are.
   /// @throw DataError, Interrupted
-  virtual openvdb::FloatGrid::ConstPtr coarseDistances(Monitor& monitor) const = 0;
+  virtual CoarseDistances coarseDistances(Monitor& monitor) const = 0;
 
   /// The mesh that the distances are measured from, world units; nullptr if that is a VDB, or a surface that was made
   /// of a mesh.

@@ -22,8 +22,10 @@ class TargetSurvey {
  public:
   /// @param phi   world units, negative inside, known over the whole inside and a few voxels outside
   /// @param mesh  the mesh that phi was made from, if it is known
-  explicit TargetSurvey(openvdb::FloatGrid::ConstPtr phi, std::shared_ptr<const Mesh> mesh = nullptr)
-      : mPhi(std::move(phi)), mMesh(std::move(mesh)) {}
+  /// @param thickness  that of phi, if it is known
+  explicit TargetSurvey(openvdb::FloatGrid::ConstPtr phi, std::shared_ptr<const Mesh> mesh = nullptr,
+                        std::optional<ThicknessFinder> thickness = {})
+      : mPhi(std::move(phi)), mMesh(std::move(mesh)), mFinder(std::move(thickness)) {}
 
   const openvdb::FloatGrid::ConstPtr& phi() const { return mPhi; }
 
