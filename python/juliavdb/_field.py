@@ -62,10 +62,12 @@ class Field:
         the width of that band, with the sign of the side."""
         return self._scene.distance(points, progress, threads)
 
-    def thickness(self, points, *, progress=None, threads=None):
+    def thickness(self, points, *, limited=True, progress=None, threads=None):
         """The target's local thickness, in its units, above 0: the radius of the largest ball that fits in the target
-        and contains the point, continued gently outside. The first call measures it."""
-        return self._scene.thickness(points, progress, threads)
+        and contains the point, continued gently outside. It is the one that detail follows, whose slope is the smaller
+        the larger `detail` is; with limited=False the slope is 1 at most, as along the faces of a convex body. The first
+        call measures it."""
+        return (self._scene.thickness if limited else self._scene.full_thickness)(points, progress, threads)
 
     def octave(self, points, *, progress=None, threads=None):
         """The octave o of a texture that follows the thickness: it has 2^o cycles to a unit of the map's space, which are

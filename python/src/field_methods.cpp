@@ -140,6 +140,7 @@ void addFieldMethods(py::class_<MadeScene, std::shared_ptr<MadeScene>>& scene) {
   scene.def("evaluate", fieldAt)
       .def("distance", numbersAt<distancesAt>)
       .def("thickness", numbersAt<thicknessAt>)
+      .def("full_thickness", numbersAt<fullThicknessAt>)
       .def("octave", numbersAt<octavesAt>)
       .def("exponent", numbersAt<exponentsAt>)
       .def("trap", numbersAt<trapsAt>)

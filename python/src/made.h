@@ -33,7 +33,7 @@ inline constexpr const char* kMemory = "memory";
 /// What queries of a field need besides the scene (queries.h), each made when it is first asked for.
 struct FieldParts {
   std::timed_mutex mutex;
-  std::optional<vdbtools::Control> distance, thickness, octave;
+  std::optional<vdbtools::Control> distance, thickness, fullThickness, octave;
   std::shared_ptr<const julia::ScalarField<double>> exponent;
   std::unique_ptr<julia::FieldEvaluator> inDoubles;
   std::map<std::string, std::unique_ptr<julia::FieldEvaluator>> evaluators;  ///< by the choice of a device

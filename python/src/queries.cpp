@@ -139,6 +139,18 @@ void thicknessAt(const MadeScene& made, std::span<const Vec3d> points, std::span
   sampleControl(control, points, thickness, work, monitor);
 }
 
+void fullThicknessAt(const MadeScene& made, std::span<const Vec3d> points, std::span<double> thickness,
+                     const QueryWork& work, Monitor& monitor) {
+  requireTargetOf(made, "thickness");
+  const vdbtools::Control& control = partOf(
+      made, monitor, [](FieldParts & parts) -> auto& { return parts.fullThickness; },
+      [&] {
+        const auto scenes = lockPatiently(made.pictureMutex, monitor);
+        return vdbtools::clampedControl(made.scenes.thickness(made.options, vdbtools::kThicknessSlope, monitor).tau);
+      });
+  sampleControl(control, points, thickness, work, monitor);
+}
+
 void octavesAt(const MadeScene& made, std::span<const Vec3d> points, std::span<double> octaves, const QueryWork& work,
                Monitor& monitor) {
   requireTargetOf(made, "octave");

@@ -35,6 +35,10 @@ void distancesAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, 
 void thicknessAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> thickness,
                  const QueryWork& work, vdbtools::Monitor& monitor);
 
+/// The same with a slope of kThicknessSlope, and not less where detail is deep.
+void fullThicknessAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> thickness,
+                     const QueryWork& work, vdbtools::Monitor& monitor);
+
 /// The octave of a texture that follows the thickness (octave_grid.h), read as the texture reads it.
 void octavesAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> octaves,
                const QueryWork& work, vdbtools::Monitor& monitor);

@@ -28,7 +28,7 @@ __version__: str
 OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress": "Optional[Progress]",
        "memory": "Optional[str]", "texture": "Optional[Union[Value, Directions]]",
        "map": "Optional[Union[Value, Map]]", "texture_over": "Optional[Union[Value, Directions]]",
-       "choice": "str", "points": "ArrayLike", "centres": "ArrayLike", "radius": "ArrayLike", "step": "Optional[float]",
+       "choice": "str", "points": "ArrayLike", "limited": "bool", "centres": "ArrayLike", "radius": "ArrayLike", "step": "Optional[float]",
        "threads": "Optional[int]", "device": "Optional[str]", "array": "ArrayLike", "voxel_size": "float",
        "origin": "Sequence[float]", "name": "str", "grid": "Any", "field": "str", "axis": "str", "position": "Optional[float]",
        "size": "int", "versors": "int", "resolutions": "Sequence[int]", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
@@ -44,7 +44,7 @@ def parameter(each):
         argument, _ = options[each.name]
         kind = "Optional[Value]" if argument else "bool"
     star = "*" if each.kind is each.VAR_POSITIONAL else ""
-    default = "" if star or each.default is each.empty else " = False" if kind == "bool" else f" = {each.default!r}"
+    default = "" if star or each.default is each.empty else " = False" if kind == "bool" and not each.default else f" = {each.default!r}"
     return f"{star}{each.name}: {kind}{default}"
 
 
@@ -80,7 +80,7 @@ def stubs():
         f'class Field:\n    """{field.__doc__}"""\n',
         stub(field.__init__, "None", "    "), stub(field.__call__, floats, "    "),
         stub(field.inside, "NDArray[np.bool_]", "    "),
-        *(stub(each, floats, "    ") for each in (field.distance, field.thickness, field.exponent, field.versor, field.trap,
+        *(stub(each, floats, "    ") for each in (field.distance, field.thickness, field.octave, field.exponent, field.versor, field.trap,
                                                   field.gradient)),
         stub(field.orbit, "Orbit", "    "), stub(field.decide, "NDArray[np.int8]", "    "),
         stub(field.plane, floats, "    "), attribute(field, "recipe", "dict[str, str]"), attribute(field, "space", f"tuple[{corner}, float]"), attribute(field, "bounds", f"tuple[{corner}, {corner}]"),

@@ -245,6 +245,23 @@ class Parts(FieldTest):
             self.assertTrue(np.array_equal(each.distance(made.vertices).astype(np.float32), made.attributes["depth"]))
             self.assertTrue(np.array_equal(each.thickness(made.vertices).astype(np.float32), made.attributes["tau"]))
 
+    def test_the_full_thickness_of_a_box_is_half_its_least_side(self):
+        """Away from its edges. On a face, it rises to that from the edges, the more gently the more detail there is."""
+        points, triangles = harness.cube(0.5)
+        self.write("box.obj", harness.obj((np.array(points) * (2, 1, 0.5), triangles)))
+        at = self.random.uniform((-0.7, -0.2, -0.25), (0.7, 0.2, 0.25), (500, 3))
+        on_faces = self.random.uniform((-1, -0.5, 0.25), (1, 0.5, 0.25), (500, 3))
+        medians = []
+        for detail in (0.16, 0.3, 0.8):
+            field = juliavdb.Field(str(self.path("box.obj")), detail=detail, outward=0.1, sdf_resolution=60)
+            full = field.thickness(at, limited=False)
+            np.testing.assert_allclose(full, 0.25, rtol=0.02)
+            for each in (at, on_faces):
+                self.assertTrue((field.thickness(each) <= field.thickness(each, limited=False) * (1 + 1e-6)).all())
+            medians.append(np.median(field.thickness(on_faces)))
+        self.assertGreater(medians[0], medians[1])
+        self.assertGreater(medians[1], medians[2])
+
     def test_the_octave_fits_the_frequency_into_the_thickness(self):
         """2^o = F / (2 tau) at the nodes; between them both are interpolated."""
         for frequency in ("fine", 0.7):
