@@ -98,6 +98,11 @@ class Examples(harness.CliTest):
         self.assertLess(flips[0], 1)
         self.assertGreater(flips[-1], 5)
 
+    def test_the_document_is_complete(self):
+        points, shell, differ = self.run_notebook("7_from_the_document.py", 4000)
+        self.assertGreater(shell, points / 5)
+        self.assertEqual(differ, 0)
+
 
 if __name__ == "__main__":
     unittest.main()
