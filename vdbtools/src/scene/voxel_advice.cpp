@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/scene/voxel_advice.h"
 
+#include "base/up_to_tens.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
@@ -15,16 +16,9 @@ using openvdb::BBoxd;
 
 /// Sizes that no lattice shows are not worth a number.
 constexpr double kMostResolution = 4000;
-/// Numbers of voxels are named in tens.
-constexpr double kTens = 10;
 
 std::optional<double> voxelFor(double size) {
   return size > 0 && std::isfinite(size) ? std::optional(size / 2) : std::nullopt;
-}
-
-double upToTens(double resolution) {
-  constexpr double kRounding = 1e-9;
-  return kTens * std::ceil(resolution / kTens * (1 - kRounding));
 }
 
 std::string percent(double share) { return shortText(std::round(1000 * share) / 10) + " %"; }

@@ -3,6 +3,7 @@
 
 #include "base/elementary.h"
 #include "base/lattice_transform.h"
+#include "base/up_to_tens.h"
 #include "distance/band_growth.h"
 #include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
@@ -142,7 +143,7 @@ class MeshInput final : public TargetInput {
   /// What chosenSdfResolution() promises. The limit does not depend on the memory of the machine, so that every machine
   /// makes the same set.
   Voxels chosenVoxels(Monitor& monitor) const {
-    constexpr double kShare = 0.05, kAcross = 8, kMostOnSurface = 400'000, kTens = 10, kRounding = 1e-9;
+    constexpr double kShare = 0.05, kAcross = 8, kMostOnSurface = 400'000;
     const double side = longestSide(mSource.box), coarse = surveyVoxel(mSource.box);
     Voxels result{.survey = {sdfOf(sdfBand(coarse, kSurveyMargin, kWholeInside), monitor).grid}};
     double resolution = std::max(kUsualSdfResolution, side / coarse);
@@ -156,9 +157,8 @@ class MeshInput final : public TargetInput {
     } catch (const DataError&) {
       // It has no inside at these voxels; the finer ones will show whether it has one.
     }
-    resolution = kTens * std::ceil(resolution / kTens * (1 - kRounding));
-    result.chosen = resolution;
-    result.size = VoxelChoice{.resolution = resolution}.sizeFor(side);
+    result.chosen = upToTens(resolution);
+    result.size = VoxelChoice{.resolution = result.chosen}.sizeFor(side);
     return result;
   }
 
