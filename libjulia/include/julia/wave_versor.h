@@ -12,7 +12,7 @@
 /// extra cost. A texture B is an ordered product of factors.
 ///
 /// The *octave* o is a scalar on space: there, the frequencies of the versor are 2^o times those of the texture. With k
-/// the largest integer below o,
+/// the largest integer that is not above o,
 ///
 ///   u(q) = the versor of  (1 - t) B(2^k q) + t B(2^(k+1) q),   t = f^2 (3 - 2 f),   f = o - k
 ///
