@@ -379,7 +379,7 @@ def rational_json(top, bottom=(), log_scale=0.0):
 
 # ---------------------------------------------------------------------------------------------------------- meshes out
 
-Mesh = collections.namedtuple("Mesh", "points faces normals comments doubles")
+Mesh = collections.namedtuple("Mesh", "points faces normals comments doubles columns", defaults=({},))
 
 
 def read_ply(data):
@@ -402,7 +402,7 @@ def read_ply(data):
     faces = list(struct.iter_unpack("<B3I", body[vertices * size:]))
     assert all(f[0] == 3 for f in faces), "not all faces are triangles"
     return Mesh([r[:3] for r in rows], [f[1:] for f in faces], [r[3:6] for r in rows] if "nx" in names else [],
-                comments, layout.startswith("<d"))
+                comments, layout.startswith("<d"), dict(zip(names, zip(*rows))))
 
 
 def read_obj(data):

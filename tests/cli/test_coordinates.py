@@ -242,7 +242,11 @@ class Units(harness.CliTest):
         """A box of a few voxels about a point of the surface, ever smaller: the surface goes through it."""
         mesh = self.points("fractal", "one.obj", *LOW, "--precision", "double", "--tolerance", 1e-9, "--mesh")
         at = mesh.points[len(mesh.points) // 2]
-        for size in (1e-3, 1e-5, 1e-7):
+        self.ok("fractal", "one.obj", *LOW, "--precision", "double", "--tolerance", 1e-9, "--attributes", "depth", "--mesh",
+                "whole.ply")
+        whole = harness.read_ply(self.bytes("whole.ply"))
+        depth = min((math.dist(point, at), d) for point, d in zip(whole.points, whole.columns["depth"]))[1]
+        for size in (1e-3, 1e-5, 1e-7, 1e-9, 1e-10):
             with self.subTest(size=size):
                 box = ",".join(repr(c + side * size) for side in (-1, 1) for c in at)
                 job = ("fractal", "one.obj", "--sdf-resolution", 28, f"--box={box}", "--voxel-size", repr(size / 16))
@@ -250,6 +254,17 @@ class Units(harness.CliTest):
                 for point in zoomed.points:
                     self.assertLessEqual(max(abs(x - c) for x, c in zip(point, at)), 1.1 * size)
                 self.assertEqual(len(set(zoomed.points)), len(zoomed.points))
+                # Attributes are those of the place, wherever the lattice has its origin.
+                self.ok(*job, "--attributes", "depth", "--mesh", "deep.ply")
+                deep = harness.read_ply(self.bytes("deep.ply"))
+                self.assertEqual(deep.points, zoomed.points)
+                for value in deep.columns["depth"]:
+                    self.assertAlmostEqual(value, depth, delta=4 * size + 1e-6)
+        self.refused(harness.USAGE, "plan", "tiles", *job[1:], "--tiles", 2, "--make", "ply", "-o", "plan", mentions="one run")
+        self.write("far.obj", harness.obj(harness.moved(self.shape, 1, (1000, 0, 0))))
+        box = ",".join(repr(c + 1000 * (axis == 0) + side * size) for side in (-1, 1) for axis, c in enumerate(at))
+        self.refused(harness.USAGE, "fractal", "far.obj", *job[2:4], f"--box={box}", *job[5:], "--mesh", "none.ply",
+                     mentions="use voxels of at least 1.001e-09")
 
     def test_level_sets(self):
         """Distances of VDBs scale too, as far down as other programs can read VDBs."""

@@ -255,6 +255,10 @@ TilePlan planTiles(const FractalOptions& wanted, const Recipe& asked, const Tile
   // A window without nodes: a large lattice would have too many blocks.
   FieldPlan whole = planScene(scene, CoordBBox());
   whole.window = whole.domain;
+  if (whole.origin != openvdb::Vec3d(0))
+    throw std::invalid_argument("at voxel size " + shortText(whole.voxelSize) +
+                                " the nodes of the box cannot be numbered from 0, as tiles need it; use larger voxels, "
+                                "or make the box by one run of juliavdb fractal");
   requireFormats(tiles.makes, scene.voxelSize, whole);
   std::vector<CoordBBox> work = workOf(scene, whole);
   if (work.empty()) throw DataError("the fractal is empty: no cell of the lattice is undecided", Remedy::LargerBeta);

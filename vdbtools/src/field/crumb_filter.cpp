@@ -380,7 +380,7 @@ bool CrumbFilter::holdsDecided(const std::vector<Coord>& nodes) const {
   const CrumbRule& rule = *mPlan.crumbs;
   if (!rule.exponent || !std::isfinite(rule.decided)) return false;
   return std::any_of(nodes.begin(), nodes.end(), [&](const Coord& node) {
-    const openvdb::Vec3d at = rule.exponent->worldToIndex(node.asVec3d() * mPlan.voxelSize);
+    const openvdb::Vec3d at = rule.exponent->worldToIndex(node.asVec3d() * mPlan.voxelSize + mPlan.origin);
     return openvdb::tools::BoxSampler::sample(rule.exponent->tree(), at) <= rule.decided;
   });
 }

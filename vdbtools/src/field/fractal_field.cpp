@@ -40,14 +40,33 @@ using Leaf = FloatTree::LeafNodeType;
 // Beyond this, a lattice index leaves no room for a neighbour or loses its last bits in world space.
 constexpr double kMostIndex = 1 << 29;
 
-/// The lattice nodes in a box of world space, plus @a margin nodes on every side.
-CoordBBox latticeNodes(const openvdb::BBoxd& world, double voxelSize, int margin) {
-  const Vec3d low = world.min() / voxelSize, high = world.max() / voxelSize;
+/// Coordinates of index space, cut off where nodes cannot be numbered.
+openvdb::BBoxd numbered(openvdb::BBoxd lattice) {
+  for (int axis = 0; axis < 3; ++axis) {
+    lattice.min()[axis] = std::clamp(lattice.min()[axis], -kMostIndex, kMostIndex);
+    lattice.max()[axis] = std::clamp(lattice.max()[axis], -kMostIndex, kMostIndex);
+  }
+  return lattice;
+}
+
+bool canBeNumbered(const openvdb::BBoxd& lattice) {
   for (int axis = 0; axis < 3; ++axis)
-    if (!(std::abs(low[axis]) < kMostIndex && std::abs(high[axis]) < kMostIndex))
-      throw std::invalid_argument("at voxel size " + shortText(voxelSize) +
-                                  " the lattice is too large to be indexed; use larger voxels");
-  return {Coord::ceil(low).offsetBy(-margin), Coord::floor(high).offsetBy(margin)};
+    if (!(std::abs(lattice.min()[axis]) < kMostIndex && std::abs(lattice.max()[axis]) < kMostIndex)) return false;
+  return true;
+}
+
+/// A box of world space in the lattice's index space.
+openvdb::BBoxd inLattice(const openvdb::BBoxd& world, const FractalFieldOptions& options) {
+  return {(world.min() - options.origin) / options.voxelSize, (world.max() - options.origin) / options.voxelSize};
+}
+
+/// The lattice nodes in a box of world space, plus @a margin nodes on every side.
+CoordBBox latticeNodes(const openvdb::BBoxd& world, const FractalFieldOptions& options, int margin) {
+  const openvdb::BBoxd box = inLattice(world, options);
+  if (!canBeNumbered(box))
+    throw std::invalid_argument("at voxel size " + shortText(options.voxelSize) +
+                                " the lattice is too large to be indexed; use larger voxels, or a small box");
+  return {Coord::ceil(box.min()).offsetBy(-margin), Coord::floor(box.max()).offsetBy(margin)};
 }
 
 void requireValid(const FractalFieldOptions& options) {
@@ -68,13 +87,17 @@ CoordBBox wholeDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
         Remedy::LargerBeta);
   const openvdb::BBoxd world =
       exponent.grid->transform().indexToWorld(openvdb::BBoxd(cells.min().asVec3d(), cells.max().asVec3d()));
-  return latticeNodes(world, options.voxelSize, exponent.denseBox ? 0 : 1);
+  const int margin = exponent.denseBox ? 0 : 1;
+  if (options.origin == Vec3d(0)) return latticeNodes(world, options, margin);
+  // A lattice about a small box need not number what lies far from it.
+  const openvdb::BBoxd nodes = numbered(inLattice(world, options));
+  return {Coord::ceil(nodes.min()).offsetBy(-margin), Coord::floor(nodes.max()).offsetBy(margin)};
 }
 
 /// The domain of a run: the whole, clipped by the box.
 CoordBBox shellDomain(CoordBBox domain, const FractalFieldOptions& options) {
   if (options.box) {
-    const CoordBBox asked = latticeNodes(*options.box, options.voxelSize, 0);
+    const CoordBBox asked = latticeNodes(*options.box, options, 0);
     if (asked.empty())
       throw std::invalid_argument("the box holds no node of the lattice; make it larger, or the voxels smaller");
     domain.intersect(asked);
@@ -106,29 +129,31 @@ unsigned touching(const CellCorners& corners, unsigned x, unsigned y, float lowe
 /// Maps between E's index space and the lattice's.
 class LatticeView {
  public:
-  LatticeView(const openvdb::math::Transform& transform, double voxelSize)
-      : mZero(transform.indexToWorld(Vec3d(0)) / voxelSize) {
+  LatticeView(const openvdb::math::Transform& transform, const FieldPlan& plan)
+      : mZero((transform.indexToWorld(Vec3d(0)) - plan.origin) / plan.voxelSize) {
     for (int axis = 0; axis < 3; ++axis) {
       Vec3d unit(0);
       unit[axis] = 1;
-      mColumns[axis] = transform.indexToWorld(unit) / voxelSize - mZero;
+      mColumns[axis] = (transform.indexToWorld(unit) - plan.origin) / plan.voxelSize - mZero;
     }
   }
 
   /// The corners of all lattice cells that touch a box in E's index space.
   CoordBBox cornersAround(const Vec3d& middle, const Vec3d& half) const {
-    constexpr double kMargin = 1 + 1e-6;  // slack for a corner of a lattice cell that touches
-    CoordBBox nodes;
+    constexpr double kMargin = 1 + 1e-6;   // slack for a corner of a lattice cell that touches
+    constexpr double kRounding = 0x1p-48;  // of coordinates about a lattice's own origin, far from E's
+    openvdb::BBoxd box;
     for (int axis = 0; axis < 3; ++axis) {
-      double at = mZero[axis], extent = kMargin;
+      double at = mZero[axis], extent = kMargin + kRounding * std::abs(mZero[axis]);
       for (int k = 0; k < 3; ++k) {
         at += mColumns[k][axis] * middle[k];
         extent += std::abs(mColumns[k][axis]) * half[k];
       }
-      nodes.min()[axis] = static_cast<int>(std::ceil(at - extent));
-      nodes.max()[axis] = static_cast<int>(std::floor(at + extent));
+      box.min()[axis] = at - extent;
+      box.max()[axis] = at + extent;
     }
-    return nodes;
+    const openvdb::BBoxd nodes = numbered(box);
+    return {Coord::ceil(nodes.min()), Coord::floor(nodes.max())};
   }
 
  private:
@@ -140,14 +165,14 @@ class LatticeView {
 /// that touches an undecided cell of E. F changes its sign only in such cells, because E is continuous.
 /// @tparam Local  thread-local data; the data of all threads are returned
 template <class Local, class Body>
-std::vector<Local> forEachUndecidedBox(const ExponentGrid& exponent, const CoordBBox& within, double voxelSize,
+std::vector<Local> forEachUndecidedBox(const ExponentGrid& exponent, const CoordBBox& within, const FieldPlan& plan,
                                        const Body& body) {
   // The margin for rounding errors of interpolation.
   constexpr double kRounding = 1e-5;
   const julia::ShellInterval& shell = exponent.shellOfNodes;
   const auto lower = static_cast<float>(shell.lower - kRounding * (1 + std::abs(shell.lower)));
   const auto upper = static_cast<float>(shell.upper + kRounding * (1 + shell.upper));
-  const LatticeView lattice(exponent.grid->transform(), voxelSize);
+  const LatticeView lattice(exponent.grid->transform(), plan);
   const std::vector<const Leaf*> leaves = leavesOf(exponent.grid->tree());
   tbb::enumerable_thread_specific<Local> parts;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 16), [&](const auto& range) {
@@ -194,25 +219,26 @@ void requireMemoryForBlocks(double blocks) {
 }
 
 /// A lower bound of the number of nodes of the window in undecided cells of E.
-double fewestShellNodes(const ExponentGrid& exponent, const CoordBBox& window, double voxelSize) {
+double fewestShellNodes(const ExponentGrid& exponent, const CoordBBox& window, const FieldPlan& plan) {
   // Each cell is clipped separately, so cells that the window cuts count in part. Boxes of nodes reach about a node
   // beyond the cells, and are shrunk to these.
-  const double nodesOfCell = std::abs(exponent.grid->transform().voxelSize().product()) / elementary::pow(voxelSize, 3);
+  const double nodesOfCell =
+      std::abs(exponent.grid->transform().voxelSize().product()) / elementary::pow(plan.voxelSize, 3);
   constexpr double kLargeCell = 512;  // nodes; the sets of smaller cells are small
   if (nodesOfCell < kLargeCell) return 0;
   const double across = elementary::cbrt(nodesOfCell), share = elementary::pow(across / (across + 2), 3);
   double nodes = 0;
-  for (const double part : forEachUndecidedBox<double>(exponent, window, voxelSize,
+  for (const double part : forEachUndecidedBox<double>(exponent, window, plan,
                                                        [](double&sum, const CoordBBox&box) { sum += volumeOf(box); }))
     nodes += part;
   return share * nodes;
 }
 
-/// The blocks with nodes where F may change its sign.
-void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordBBox& window, double voxelSize) {
-  requireMemoryForBlocks(fewestShellNodes(exponent, window, voxelSize) / (kBlock * kBlock * kBlock));
+/// Adds the blocks with nodes in @a window where F may change its sign.
+void addShellBlocks(FieldPlan& plan, const ExponentGrid& exponent, const CoordBBox& window) {
+  requireMemoryForBlocks(fewestShellNodes(exponent, window, plan) / (kBlock * kBlock * kBlock));
   const std::vector<MarkedBlocks> parts =
-      forEachUndecidedBox<MarkedBlocks>(exponent, window, voxelSize, [](MarkedBlocks& part, const CoordBBox& nodes) {
+      forEachUndecidedBox<MarkedBlocks>(exponent, window, plan, [](MarkedBlocks& part, const CoordBBox& nodes) {
         const CoordBBox touched(nodes.min() >> kBlockLog2, nodes.max() >> kBlockLog2);
         if (touched == part.last) return;
         part.last = touched;
@@ -221,7 +247,7 @@ void addShellBlocks(BlockSet& blocks, const ExponentGrid& exponent, const CoordB
         else
           for (auto block = touched.begin(); block; ++block) part.access->setValueOn(*block);
       });
-  for (const MarkedBlocks& part : parts) blocks.topologyUnion(*part.blocks);
+  for (const MarkedBlocks& part : parts) plan.blocks->topologyUnion(*part.blocks);
 }
 
 /// Where the box cuts the domain, as caps show it.
@@ -229,7 +255,8 @@ openvdb::BBoxd capFacesOf(const CoordBBox& domain, const FractalFieldOptions& op
   // On a face that passes through nodes, the vertices around a node would coincide.
   constexpr double kLeast = 0.01, kBeyondOther = 0.5;
   openvdb::BBoxd faces(domain.min().asVec3d() - Vec3d(kBeyondOther), domain.max().asVec3d() + Vec3d(kBeyondOther));
-  const Vec3d low = options.box->min() / options.voxelSize, high = options.box->max() / options.voxelSize;
+  const openvdb::BBoxd asked = inLattice(*options.box, options);
+  const Vec3d &low = asked.min(), &high = asked.max();
   for (int axis = 0; axis < 3; ++axis) {
     const double first = domain.min()[axis], last = domain.max()[axis];
     if (low[axis] > first - 1) faces.min()[axis] = std::min(low[axis], first - kLeast);
@@ -242,7 +269,7 @@ openvdb::BBoxd capFacesOf(const CoordBBox& domain, const FractalFieldOptions& op
 FieldPlan emptyPlan(const CoordBBox& domain, const CoordBBox& whole, bool bounded, const FractalFieldOptions& options) {
   CoordBBox window = options.window.value_or(domain);
   window.intersect(domain);
-  FieldPlan plan{domain, bounded, options.voxelSize, window, std::make_shared<BlockSet>(), whole};
+  FieldPlan plan{domain, bounded, options.voxelSize, options.origin, window, std::make_shared<BlockSet>(), whole};
   if (options.box && !domain.empty()) plan.capFaces = capFacesOf(domain, options);
   return plan;
 }
@@ -271,6 +298,23 @@ std::vector<openvdb::Vec3s> FieldSource::versorVectors(std::span<const julia::Po
   return vectors;
 }
 
+Vec3d latticeOrigin(const FractalFieldOptions& options) {
+  requireValid(options);
+  const double h = options.voxelSize;
+  if (!options.box || canBeNumbered({options.box->min() / h, options.box->max() / h})) return Vec3d(0);
+  // Positions on an edge are searched to a thousandth of it.
+  constexpr double kLeast = 1e-12;
+  double largest = 0;
+  for (const Vec3d& corner : {options.box->min(), options.box->max()})
+    for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::abs(corner[axis]));
+  if (h < kLeast * largest)
+    throw std::invalid_argument("the voxel size is " + shortText(h) + ", and coordinates in the box reach " +
+                                shortText(largest) + ", of which doubles have 16 digits; use voxels of at least " +
+                                shortText(kLeast * largest));
+  const Vec3d middle = options.box->getCenter() / h;
+  return Vec3d(std::round(middle[0]), std::round(middle[1]), std::round(middle[2])) * h;
+}
+
 FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& options) {
   FieldPlan plan = emptyShellPlan(exponent, options);
   // Blocks that the window cuts belong to it as they do to the whole domain.
@@ -280,7 +324,7 @@ FieldPlan planShell(const ExponentGrid& exponent, const FractalFieldOptions& opt
               ((blocks.max() >> kBlockLog2) << kBlockLog2).offsetBy(kBlock - 1)};
     blocks.intersect(plan.domain);
   }
-  addShellBlocks(*plan.blocks, exponent, blocks, options.voxelSize);
+  addShellBlocks(plan, exponent, blocks);
   if (plan.bounded) addBorderBlocks(*plan.blocks, plan.domain, plan.window);
   return plan;
 }
@@ -295,7 +339,7 @@ FieldPlan planBox(const FractalFieldOptions& options) {
   requireValid(options);
   if (!options.box) throw std::invalid_argument("a field without a shell needs a box to be evaluated in");
   const CoordBBox everywhere(Coord(-static_cast<int>(kMostIndex)), Coord(static_cast<int>(kMostIndex)));
-  FieldPlan plan = emptyPlan(latticeNodes(*options.box, options.voxelSize, 0), everywhere, true, options);
+  FieldPlan plan = emptyPlan(latticeNodes(*options.box, options, 0), everywhere, true, options);
   if (plan.domain.empty())
     throw std::invalid_argument("the box holds no node of the lattice; make it larger, or the voxels smaller");
   addEveryBlock(plan);
@@ -307,7 +351,7 @@ std::vector<CoordBBox> undecidedBoxes(const ExponentGrid* exponent, const FieldP
   using Boxes = std::vector<CoordBBox>;
   Boxes all;
   for (const Boxes& part : forEachUndecidedBox<Boxes>(
-           *exponent, plan.window, plan.voxelSize, [](Boxes&boxes, const CoordBBox&nodes) { boxes.push_back(nodes); }))
+           *exponent, plan.window, plan, [](Boxes&boxes, const CoordBBox&nodes) { boxes.push_back(nodes); }))
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }

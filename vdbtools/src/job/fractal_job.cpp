@@ -106,7 +106,7 @@ void requireMemoryForLevelSet(const Scene& scene) {
 void makeStreamed(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
                   FractalResult& result, Monitor& monitor) {
   if (!plan.grids.empty()) requireMemoryForLevelSet(scene);
-  const FieldSource source = scene.source();
+  const FieldSource source = scene.source(plan.nodes);
   FloatGrid::Ptr surface;
   meshInto(scene, plan, output, result, [&](const ExtractMeshOptions& options, MeshSink& sink) {
     if (plan.grids.empty()) return streamMesh(plan.nodes, source, options, sink, monitor);
@@ -128,7 +128,7 @@ void makeStreamed(const Scene& scene, const FractalPlan& plan, const PointAttrib
 /// @param output  takes that mesh; nullptr: it is not wanted
 FloatGrid::Ptr makeLevelSet(const Scene& scene, const FractalPlan& plan, const FractalField& field, MeshOutput* output,
                             FractalResult& result, Monitor& monitor) {
-  CappedMesh capped = extractCappedMesh(field, scene.source(), scene.options.surface.tolerance, monitor);
+  CappedMesh capped = extractCappedMesh(field, scene.source(plan.nodes), scene.options.surface.tolerance, monitor);
   requireSurface(scene, result, capped.mesh.triangles.size());
   FloatGrid::Ptr surface = levelSet(field, capped.mesh, monitor);
   result.solid = measureSolid(capped.mesh);
@@ -147,7 +147,7 @@ FloatGrid::Ptr makeLevelSet(const Scene& scene, const FractalPlan& plan, const F
 void makeHeld(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
               FractalResult& result, Monitor& monitor) {
   const EvaluateFieldOptions evaluate = plan.grids.evaluation();
-  const FieldSource source = scene.source();
+  const FieldSource source = scene.source(plan.nodes);
   const std::optional<FollowOptions>& follow = scene.options.lattice.follow;
   FractalField field = follow ? followSurface(plan.nodes, source, evaluate, *follow, result.follow.emplace(), monitor)
                               : evaluateField(plan.nodes, source, evaluate, monitor);
@@ -193,9 +193,9 @@ FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* 
   if (plan.mesh != (sink != nullptr)) throw std::invalid_argument("a mesh needs a sink, and a sink a mesh");
   FractalResult result;
   std::optional<PointAttributes> attributes;
-  if (!scene.options.output.attributes.empty()) attributes.emplace(scene);
+  if (!scene.options.output.attributes.empty()) attributes.emplace(scene, plan.nodes.origin);
   const PointAttributes* const wanted = attributes ? &*attributes : nullptr;
-  const openvdb::Vec3d offset = latticeOffset(scene.options, scene.voxelSize);
+  const openvdb::Vec3d offset = latticeOffset(scene.options, scene.voxelSize) + plan.nodes.origin;
   std::optional<MovedMeshSink> moved;
   if (sink && offset != openvdb::Vec3d(0)) sink = &moved.emplace(offset, *sink);
   std::optional<MeshOutput> output;

@@ -102,7 +102,7 @@ double estimatedMeshSeconds(const Scene& scene, Monitor& monitor) {
     NoMesh none;
     const double start = cpuSeconds();
     try {
-      streamMesh(part, scene.source(), {.tolerance = scene.options.surface.tolerance, .border = Border::Open}, none,
+      streamMesh(part, scene.source(part), {.tolerance = scene.options.surface.tolerance, .border = Border::Open}, none,
                  quiet);
     } catch (const DataError&) {
       // Nothing but crumbs there, which takes time too.

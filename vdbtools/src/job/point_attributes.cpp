@@ -118,8 +118,11 @@ struct PointAttributes::Transfer {
 
 PointAttributes::~PointAttributes() = default;
 
-PointAttributes::PointAttributes(const Scene& scene)
-    : mScene(scene), mColumns(meshColumns(scene.options.output.attributes)), mRowLength(vdbtools::rowLength(mColumns)) {
+PointAttributes::PointAttributes(const Scene& scene, const Vec3d& origin)
+    : mScene(scene),
+      mOrigin(origin),
+      mColumns(meshColumns(scene.options.output.attributes)),
+      mRowLength(vdbtools::rowLength(mColumns)) {
   const AttributeOptions& options = scene.options.output.attributes;
   const julia::FieldEvaluator& evaluator = *scene.field.evaluator;
   const julia::DropAxis dropAxis = scene.options.map->embedding().dropped;
@@ -193,6 +196,12 @@ PointAttributes::PointAttributes(const Scene& scene)
 
 void PointAttributes::evaluate(std::span<const Vec3d> points, std::span<float> rows) const {
   if (points.empty()) return;
+  std::vector<Vec3d> moved;
+  if (mOrigin != Vec3d(0)) {
+    moved.assign(points.begin(), points.end());
+    for (Vec3d& point : moved) point += mOrigin;
+    points = moved;
+  }
   Batch batch{.world = points};
   batch.points.reserve(points.size());
   for (const Vec3d& point : points) batch.points.push_back(mScene.field.space.toFractal(point));

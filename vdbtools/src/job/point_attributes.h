@@ -18,16 +18,18 @@ namespace vdbtools {
 
 class PointAttributes {
  public:
-  /// @param scene  outlives this
+  /// @param scene   outlives this
+  /// @param origin  of the points' coordinates, world units, as FieldPlan::origin
   /// @throw as sceneColouring()
-  explicit PointAttributes(const Scene& scene);
+  explicit PointAttributes(const Scene& scene, const openvdb::Vec3d& origin = openvdb::Vec3d(0));
   ~PointAttributes();
 
   /// As meshColumns() has them.
   const std::vector<VertexColumn>& columns() const { return mColumns; }
   std::size_t rowLength() const { return mRowLength; }
 
-  /// Sets a row for each point, world units. A row depends on its point alone. May be called in many threads at once.
+  /// Sets a row for each point, world units from the origin. A row depends on its point alone. May be called in many
+  /// threads at once.
   void evaluate(std::span<const openvdb::Vec3d> points, std::span<float> rows) const;
 
   /// The same in threads. @throw Interrupted
@@ -39,6 +41,7 @@ class PointAttributes {
   struct Transfer;
 
   const Scene& mScene;
+  openvdb::Vec3d mOrigin;
   std::vector<VertexColumn> mColumns;
   std::size_t mRowLength;
   std::vector<std::unique_ptr<const Column>> mFillers;  ///< one a column

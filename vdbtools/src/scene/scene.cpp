@@ -216,6 +216,12 @@ const ExponentGridOptions& Scene::shellOptions() const {
   return shell->made->options;
 }
 
+FieldSource Scene::source(const FieldPlan& plan) const {
+  FieldSource moved = source();
+  moved.space.centre -= plan.origin;
+  return moved;
+}
+
 std::shared_ptr<const MapInstance> mapInstance(const Scene& scene, const MapFiles& files) {
   const std::optional<SceneTarget>& target = scene.target;
   return scene.options.map->instance({.files = files,
@@ -363,6 +369,7 @@ FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>&
   FractalFieldOptions field{.voxelSize = scene.voxelSize, .box = scene.options.lattice.box, .window = window};
   const ExponentGrid* const exponent = scene.exponent();
   if (!exponent) field.box = scene.region();
+  field.origin = latticeOrigin(field);
   FieldPlan plan = !exponent                          ? planBox(field)
                    : scene.options.lattice.exhaustive ? planExhaustive(*exponent, field)
                                                       : planShell(*exponent, field);
@@ -393,7 +400,7 @@ Vec3d latticeOffset(const FractalOptions& options, double voxelSize) {
 BBoxd meshBox(const FieldPlan& plan) {
   openvdb::CoordBBox nodes = plan.domain;
   nodes.expand(1);
-  return {nodes.min().asVec3d() * plan.voxelSize, nodes.max().asVec3d() * plan.voxelSize};
+  return {nodes.min().asVec3d() * plan.voxelSize + plan.origin, nodes.max().asVec3d() * plan.voxelSize + plan.origin};
 }
 
 Recipe resolvedRecipe(const Scene& scene, Recipe recipe) {

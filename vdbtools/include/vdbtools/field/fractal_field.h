@@ -5,8 +5,9 @@
 /// It uses the rooms up to `target`.
 ///
 /// This header declares the log-modulus field F on a regular lattice. Node (i, j, k) lies at (i, j, k) h in world
-/// space, so lattices of one voxel size coincide wherever they overlap. F < 0 inside, >= 0 outside. Only the shell is
-/// evaluated; see julia/shell.h.
+/// space, so lattices of one voxel size coincide wherever they overlap; far from the origin, where these numbers would
+/// be too large, the lattice has an origin of its own. F < 0 inside, >= 0 outside. Only the shell is evaluated; see
+/// julia/shell.h.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"
@@ -30,6 +31,8 @@ struct FieldPlan {
   /// Whether the domain may cut the set, because a box was requested or phi ends there.
   bool bounded = false;
   double voxelSize = 0;  ///< h, world units
+  /// Where node (0, 0, 0) lies, world units. What is made of the plan lies as if this were 0, and its source too.
+  openvdb::Vec3d origin{0, 0, 0};
   /// The nodes that are evaluated: all nodes of the domain, or a part of them. The mesh omits cells that reach beyond
   /// the window. Within it, everything equals the result for the whole domain, to the bit.
   openvdb::CoordBBox window;
@@ -71,10 +74,16 @@ struct FieldSource {
 struct FractalFieldOptions {
   double voxelSize = 0;               ///< h, world units, > 0
   std::optional<openvdb::BBoxd> box;  ///< region of interest, world units
+  openvdb::Vec3d origin{0, 0, 0};     ///< as FieldPlan::origin
   bool keepIterations = false;        ///< as in EvaluateFieldOptions
   /// Restricts the evaluation to these nodes, without changing the domain.
   std::optional<openvdb::CoordBBox> window{};
 };
+
+/// The origin of the lattice of these options: 0, or the node in the middle of a box whose nodes cannot be numbered
+/// from 0. Lattices of one voxel size then coincide to a thousandth of a voxel.
+/// @throw std::invalid_argument  positions in the box are rounded too much for voxels of this size
+openvdb::Vec3d latticeOrigin(const FractalFieldOptions& options);
 
 /// Plans a map that has a shell: only the nodes where the exponent leaves F undecided.
 /// @throw std::invalid_argument  h not positive, a lattice too large to be indexed, a box that holds no node

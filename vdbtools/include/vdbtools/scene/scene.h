@@ -97,6 +97,8 @@ struct Scene {
   Metadata metadata;
 
   FieldSource source() const { return {*field.evaluator, field.space}; }
+  /// The source of what is made of a plan, in whose space the plan's origin is 0.
+  FieldSource source(const FieldPlan& plan) const;
 
   /// Those of the shell; nullptr if there is none or, for the features, if none were measured.
   const ExponentGrid* exponent() const;
