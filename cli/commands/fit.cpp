@@ -14,6 +14,7 @@
 
 #include <optional>
 #include <ostream>
+#include <string>
 #include <utility>
 
 namespace po = boost::program_options;
@@ -86,12 +87,13 @@ int runFit(const Arguments& arguments) {
   report().count("iou", measure.iou);
   report().count("iteratedIou", fit.iteratedIou);
   report().count("steps", fit.rows.size());
+  const std::string shifted = ", for which C was then shifted by " + number(fit.scaleShift);
   report().text() << "wrote " << outputs.names() << ": " << fit.rational.top.roots.size() << " top and "
-                  << fit.rational.bottom.roots.size() << " bottom roots, IoU " << number(measure.iou) << ", and "
-                  << number(fit.iteratedIou) << " after " << vdbtools::fit::kScoredIterations << " iterations, psi "
-                  << number(measure.psi) << ", mean distance " << number(measure.meanDistance) << ", Hausdorff "
-                  << number(measure.hausdorff) << " of the longest side; powers sum to "
-                  << number(julia::summedPowers(fit.rational.top)) << " and "
+                  << fit.rational.bottom.roots.size() << " bottom roots, IoU " << number(measure.iou)
+                  << " after one iteration and " << number(fit.iteratedIou) << " after " << options.scored()
+                  << (options.iterations > 1 ? shifted : "") << "; psi " << number(measure.psi) << ", mean distance "
+                  << number(measure.meanDistance) << ", Hausdorff " << number(measure.hausdorff)
+                  << " of the longest side; powers sum to " << number(julia::summedPowers(fit.rational.top)) << " and "
                   << number(julia::summedPowers(fit.rational.bottom)) << "; as thin as --alpha " << number(fit.slope)
                   << "; " << fit.rows.size() << " steps\n";
   if (fit.monopoles > 0)

@@ -67,12 +67,29 @@ TEST(FitMeasure, SmallerSphereByItsVolumeAndDistance) {
   EXPECT_NEAR(fit.hausdorff, 0.1, measuredSphere().cell);
 }
 
-TEST(FitMeasure, FourIterationsAreMeasuredToo) {
+TEST(FitMeasure, MoreIterationsAreMeasuredToo) {
   // (|q| / r)^2 again and again: after n steps the surface is at r^(2 - 2^(1 - n)).
-  const double radius = 0.5, after = std::pow(radius, 2 - std::pow(2, 1 - kScoredIterations));
+  const double radius = 0.5;
   EXPECT_GT(measure(ball(radius, 2)).iou, 0.99);
   Monitor monitor;
-  EXPECT_NEAR(iteratedIou(measuredSphere(), ball(radius, 2), monitor), std::pow(after / radius, 3), 0.01);
+  for (const int n : {1, 2, 4}) {
+    const double expected = std::pow(std::pow(radius, 1 - std::pow(2, 1 - n)), 3);
+    EXPECT_NEAR(iteratedIou(measuredSphere(), ball(radius, 2), {.iterations = n}, monitor), expected, 0.01) << n;
+    EXPECT_NEAR(iteratedIou(measuredSphere(), ball(radius, 2), {.iterations = n, .every = 3}, monitor), expected, 0.04)
+        << n;
+  }
+}
+
+TEST(FitMeasure, TheShiftOfCMakesUpForTheIterations) {
+  // Where |R| = 1 is the sphere of the target, the sets of more iterations are larger, until C is smaller.
+  const double radius = 0.5;
+  Monitor monitor;
+  EXPECT_EQ(scaleShift(measuredSphere(), ball(radius, 2), 1, monitor), 0);
+  for (const int n : {2, 3, 4}) {
+    julia::Rational map = ball(radius, 2);
+    map.logScale += scaleShift(measuredSphere(), map, n, monitor);
+    EXPECT_GT(iteratedIou(measuredSphere(), map, {.iterations = n}, monitor), 0.98) << n;
+  }
 }
 
 TEST(FitMeasure, NoSurfaceIsInfinitelyFar) {

@@ -167,6 +167,17 @@ constexpr const char* kKim15 = "kim15";
 /// The passes of [Kim15] for most of its shapes.
 constexpr const char* kPaperSchedule = "25(VFRF) 50(VFRF) 97(VF)";
 
+/// The method that is used if it is not given.
+const char* defaultMethod(const Recipe& recipe) {
+  const auto schedule = recipe.find("schedule");
+  return schedule == recipe.end() || schedule->second.empty() ? kFast : kKim15;
+}
+
+bool isKim15(const Recipe& recipe) {
+  const auto method = recipe.find("method");
+  return (method == recipe.end() ? defaultMethod(recipe) : method->second) == kKim15;
+}
+
 std::string idleEpsilon(const OptionRun& run) {
   return run.text("start") == "monopoles" || run.text("method") == kKim15
              ? ""
@@ -209,11 +220,7 @@ OptionTable fitOptionTable() {
       {.name = "method",
        .argument = "fast|kim15",
        .help = "how to fit: fast, or as Kim (2015) does, which takes much longer",
-       .defaultFor =
-           [](const Recipe& recipe) {
-             const auto schedule = recipe.find("schedule");
-             return schedule == recipe.end() || schedule->second.empty() ? kFast : kKim15;
-           },
+       .defaultFor = defaultMethod,
        .defaultNote = "fast; kim15 with --schedule"},
       {.name = "schedule",
        .argument = "S",
@@ -248,6 +255,12 @@ OptionTable fitOptionTable() {
        .defaultValue = "0",
        .help = "scale all powers so that the shell is as thin as --alpha of 'fractal' makes it; the shape at one "
                "iteration stays. 0 leaves the powers as they were found"},
+      {.name = "iterations",
+       .argument = "N",
+       .help = "the iterations of the set that shall have the shape: in the end C is chosen for them. The powers are "
+               "those found for one iteration",
+       .defaultFor = [](const Recipe& recipe) { return isKim15(recipe) ? "1" : "3"; },
+       .defaultNote = "3, as of 'fractal --map rational'; 1 with --method kim15"},
       {.name = "smooth",
        .argument = "W",
        .defaultValue = "1",
@@ -293,6 +306,7 @@ FitOptions parseFitOptions(const Recipe& recipe) {
                          : options.schedule.empty()  ? 0
                                                      : kSchedulePenalty;
   options.alpha = reader.notNegative("alpha");
+  options.iterations = reader.integer("iterations", 1, 1000);
   options.seed = reader.integer<std::uint64_t>("seed", 0, std::numeric_limits<std::uint64_t>::max());
   return options;
 }
@@ -314,7 +328,11 @@ FitResult runFit(const FitOptions& options, bool wantDistances, Monitor& monitor
       result.slope = options.alpha;
     }
     result.measure = measureFit(target, result.rational, kAlphaOfPsi, monitor);
-    result.iteratedIou = iteratedIou(target, result.rational, monitor);
+    if (result.measure.iou > 0) {
+      result.scaleShift = scaleShift(target, result.rational, options.iterations, monitor);
+      result.rational.logScale += result.scaleShift;
+      result.iteratedIou = iteratedIou(target, result.rational, {.iterations = options.scored()}, monitor);
+    }
     // If the outside has most of the weight, declaring all of space outside is a local minimum.
     if (result.measure.iou == 0)
       throw DataError("the fit ended in a map that holds nothing of the target; " +

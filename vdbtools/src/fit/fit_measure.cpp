@@ -5,6 +5,7 @@
 #include "base/elementary.h"
 #include "base/in_parallel.h"
 #include "base/openvdb/fast_sweeping.h"
+#include "base/timed_part.h"
 #include "fit/log_moduli.h"
 #include "vdbtools/maps/map_descriptor.h"
 
@@ -19,6 +20,7 @@
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace vdbtools::fit {
@@ -191,24 +193,34 @@ FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, 
   return measure;
 }
 
-double iteratedIou(const FitTarget& target, const julia::Rational& rational, Monitor& monitor) {
+double iteratedIou(const FitTarget& target, const julia::Rational& rational, const IteratedOptions& options,
+                   Monitor& monitor) {
+  if (options.iterations < 1 || options.every < 1)
+    throw std::invalid_argument("the iterations are " + std::to_string(options.iterations) + " and every cell of " +
+                                std::to_string(options.every) + " counts; both must be 1 or more");
   const Lattice lattice(target);
   const std::unique_ptr<julia::FieldEvaluator> evaluator =
-      makeEvaluator(Arithmetic::Double, julia::Embedding{}, {.maxIterations = kScoredIterations},
+      makeEvaluator(Arithmetic::Double, julia::Embedding{}, {.maxIterations = options.iterations},
                     [&]<class Real>() -> std::shared_ptr<const julia::Map<Real>> {
                       return std::make_shared<julia::RationalMap<Real>>(rational);
                     });
-  const std::size_t n = lattice.side();
-  std::vector<Tally> tallies(n);
-  monitor.begin(PhaseKind::Measure, n);
-  inParallel(n, 1, monitor, [&](std::size_t begin, std::size_t end) {
-    std::vector<Point> points;
-    std::vector<double> phi(n * n), field(n * n);
+  const std::size_t n = lattice.side(), every = static_cast<std::size_t>(options.every), first = (every - 1) / 2;
+  const std::size_t slices = (n - first + every - 1) / every;
+  std::vector<Tally> tallies(slices);
+  monitor.begin(PhaseKind::Measure, slices);
+  inParallel(slices, 1, monitor, [&](std::size_t begin, std::size_t end) {
+    std::vector<Point> all, points;
+    std::vector<double> phi, field;
     for (std::size_t i = begin; i != end; ++i) {
-      lattice.slice(i, points);
+      lattice.slice(first + i * every, all);
+      points.clear();
+      for (std::size_t y = first; y < n; y += every)
+        for (std::size_t z = first; z < n; z += every) points.push_back(all[y * n + z]);
+      phi.resize(points.size());
+      field.resize(points.size());
       target.distances(points, phi);
       evaluator->evaluate(points, field, {});
-      for (std::size_t c = 0; c < n * n; ++c) {
+      for (std::size_t c = 0; c < points.size(); ++c) {
         const bool inMap = field[c] < 0, inTarget = phi[c] < 0;
         tallies[i].both += inMap && inTarget;
         tallies[i].either += inMap || inTarget;
@@ -223,6 +235,42 @@ double iteratedIou(const FitTarget& target, const julia::Rational& rational, Mon
     all.either += tally.either;
   }
   return iouOf(all.both, all.either);
+}
+
+double scaleShift(const FitTarget& target, const julia::Rational& rational, int iterations, Monitor& monitor) {
+  if (iterations == 1) return 0;
+  constexpr int kCells = 24;                           // along an axis
+  constexpr double kLow = -6, kHigh = 1, kStep = 0.5;  // where it is searched first
+  constexpr int kHalvings = 5;                         // of the step, about the best
+  constexpr int kFirst = static_cast<int>((kHigh - kLow) / kStep) + 1;
+  monitor.begin(PhaseKind::Measure, kFirst + 2 * kHalvings);
+  QuietMonitor quiet(monitor);
+  const IteratedOptions options{.iterations = iterations, .every = std::max(1, target.resolution / kCells)};
+  const auto iouAt = [&](double shift) {
+    julia::Rational shifted = rational;
+    shifted.logScale += shift;
+    const double iou = iteratedIou(target, shifted, options, quiet);
+    monitor.throwIfCancelled();
+    monitor.advance(1);
+    return iou;
+  };
+  double best = 0, most = iouAt(0);
+  const auto tryShift = [&](double shift) {
+    if (const double iou = iouAt(shift); iou > most) {
+      most = iou;
+      best = shift;
+    }
+  };
+  for (int i = 0; i < kFirst; ++i)
+    if (const double shift = kLow + i * kStep; shift != 0) tryShift(shift);
+  double step = kStep;
+  for (int i = 0; i < kHalvings; ++i) {
+    step /= 2;
+    const double middle = best;
+    tryShift(middle - step);
+    tryShift(middle + step);
+  }
+  return best;
 }
 
 }  // namespace vdbtools::fit

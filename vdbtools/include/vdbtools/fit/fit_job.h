@@ -29,7 +29,13 @@ enum class FitStart {
   Monopoles,  ///< roots where monopoles approximate the surface's electrostatic potential ([Kim15] 4.4)
 };
 
+/// The iterations after which the set of a map that is meant for one is judged, too.
+inline constexpr int kScoredIterations = 4;
+
 struct FitOptions {
+  /// After how many iterations the set is judged.
+  int scored() const { return iterations > 1 ? iterations : kScoredIterations; }
+
   FitTargetOptions target;
   std::size_t roots = 331;  ///< maximum number, on both sides together
   double targetIou = 1;     ///< the fast fit adds roots until the held-out cells reach this
@@ -40,6 +46,7 @@ struct FitOptions {
   julia::CellWeights weights = julia::CellWeights::InverseDistance;
   double powerPenalty = 0;  ///< see julia::ShapeEnergyOptions
   double alpha = 0;         ///< all powers and C are scaled until |grad L| is this near the surface; 0: no scaling
+  int iterations = 3;       ///< for how many of them C is chosen in the end (scaleShift())
   std::uint64_t seed = 1;
 };
 
@@ -61,9 +68,11 @@ struct FitRow {
 struct FitResult {
   julia::Rational rational;
   FitTarget target;
-  FitMeasure measure;      ///< on the cells of the cube
-  double iteratedIou = 0;  ///< as iteratedIou()
-  double slope = 0;        ///< median of |L / phi| near the surface
+  FitMeasure measure;     ///< on the cells of the cube, after one iteration and before C was shifted
+  double scaleShift = 0;  ///< what was added to C, as scaleShift()
+  /// As iteratedIou(), after the iterations that were asked for; after kScoredIterations where that was one.
+  double iteratedIou = 0;
+  double slope = 0;  ///< median of |L / phi| near the surface
   std::vector<FitRow> rows;
   std::size_t monopoles = 0;    ///< if electrostatics were used
   julia::SurfaceCharge charge;  ///< on the target's surface; without densities if electrostatics were not used
