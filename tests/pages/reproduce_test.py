@@ -20,7 +20,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 RUN = ROOT / "reproduce/run"
 PAGE = ROOT / "docs/replication.md"
 # A build without them leaves these entries out, and says so.
-OPTIONAL = {name: "the Python module juliavdb" for name in ("ablation-steps", "kd20-copies")}
+OPTIONAL = {name: "the Python module juliavdb" for name in ("ablation-steps", "kd20-copies", "kd20-figure-4",
+                                                                 "zb25-thinner", "zb25-speed", "dimension-known")}
 
 
 def reproduce(*arguments, environment=None):
@@ -146,6 +147,31 @@ class SmallRun(unittest.TestCase):
         nodes = [count for case, count in self.results.ours("sk23-sweeps", "nodes that are evaluated").items() if case.startswith("alpha")]
         self.assertEqual(nodes, sorted(nodes, reverse=True))
 
+    def test_alpha_and_beta_belong_to_one_unit_of_the_mesh(self):
+        """Whatever the longest side is, alpha over it and beta times it are the paper's; a larger one leaves more of the target."""
+        for step in self.results.stored("sk23-unit")["steps"]:
+            alpha, side = (float(re.search(rf", {word} ([\d.]+)", step["label"]).group(1)) for word in ("alpha", "longest side"))
+            beta = re.search(r", beta ([\d.]+)", step["label"])
+            self.assertAlmostEqual(float(re.search(r"--alpha (\S+)", step["command"]).group(1)) / side, alpha, delta=1e-5 * alpha)
+            found = re.search(r"--beta (\S+)", step["command"])
+            self.assertEqual(bool(found), bool(beta))
+            if beta:
+                self.assertAlmostEqual(float(found.group(1)) * side, float(beta.group(1)), delta=1e-5)
+        volumes = self.results.ours("sk23-unit", "% of the target's volume")
+        for shape in ("dragon", "bunny"):
+            found = [volume for case, volume in volumes.items() if case.startswith(shape)]
+            self.assertGreaterEqual(len(found), 4)
+            self.assertEqual(found, sorted(found))
+
+    def test_sets_in_the_plane_are_those_of_the_reference(self):
+        for case, off in self.results.ours("sk23-figure-8", "largest difference from reproduce/reference_maps.py").items():
+            self.assertLess(off, 1e-9, case)
+        least, greatest = (self.results.ours("sk23-figure-8", f"{word} phi of a pixel that some set {does}")
+                           for word, does in (("least", "leaves out"), ("greatest", "holds")))
+        self.assertEqual(list(least), ["star", "trefoil"])
+        for case in least:
+            self.assertLess(least[case], greatest[case])
+
     def test_a_map_with_a_simple_root_outside_has_copies_of_its_set(self):
         results = self.need("kd20-copies")
         overlap = results.ours("kd20-copies", "intersection over union with that set")
@@ -166,6 +192,25 @@ class SmallRun(unittest.TestCase):
             self.assertLessEqual(shares[fit + "64 bits"], shares[fit + "32 bits"])
             self.assertEqual(shares[fit + "64 bits, with the guard of Eq. 2"], 0)
 
+    def test_a_line_puts_vertices_elsewhere_than_a_search(self):
+        off = self.need("kd20-figure-4").ours("kd20-figure-4", "from the searched vertex, in edges, median")
+        for case, distance in off.items():
+            self.assertTrue(0.05 < distance < 0.5, case)
+
+    def test_no_guard_leaves_an_infinity(self):
+        shares = self.results.ours("kd20-guard", "share of nodes with an infinity or NaN")
+        stopped = self.results.ours("kd20-guard", "share of nodes that the guard stops")
+        for case, share in shares.items():
+            if not case.endswith("no guard"):
+                self.assertEqual(share, 0, case)
+        for fit in ("--alpha 200, ", "--alpha 392, "):
+            # The larger what is subtracted from 308, the sooner it stops.
+            grow = [stopped[fit + words] for words in ("the sum 0", "the sum of the frog", "the sum of the bunny",
+                                                       "the guard of Eq. 2", "the factor 2")]
+            self.assertEqual(grow[:3], sorted(grow[:3]))
+            self.assertLessEqual(stopped[fit + "the factor 1.01"], grow[3])
+            self.assertLessEqual(grow[3], grow[4])
+
     def test_psi_is_that_of_independent_sums(self):
         psi = self.results.ours("kim15-psi", "psi")
         moved = self.results.ours("kim15-psi", "range over five shifts of the cells")
@@ -178,6 +223,26 @@ class SmallRun(unittest.TestCase):
         for case, error in self.results.ours("kim15-appendix", "relative error as corrected, largest").items():
             self.assertLess(error, 1e-6, case)
             (self.assertLess if case == "Eqs. 24 and 27" else self.assertGreater)(printed[case], 1e-2, case)
+
+    def test_scaled_roots_and_other_slices(self):
+        volumes = self.results.ours("kim15-transforms", "volume, in the units of the mesh")
+        sphericity = self.results.ours("kim15-transforms", "sphericity")
+        for cases in (("scaled by 0.5", "scaled by 0.8", "as fitted", "scaled by 1.1", "scaled by 1.25"),
+                      ("as fitted", "slice 0.05", "slice 0.1", "slice 0.2")):
+            found = [volumes[f"frog, {case}"] for case in cases]
+            self.assertEqual(found, sorted(found, reverse=True))
+        self.assertGreater(sphericity["frog, scaled by 0.5"], sphericity["frog, as fitted"])
+        for case, value in sphericity.items():
+            self.assertTrue(0 < value <= 1, case)
+
+    def test_the_phases_of_a_fit_are_parts_of_its_time(self):
+        whole = self.results.ours("kim15-table-1", "CPU s")
+        for case, seconds in whole.items():
+            parts = [self.results.ours("kim15-table-1", f"CPU s of the {phase}").get(case, 0)
+                     for phase in ("electrostatics", "monopoles", "optimisation")]
+            self.assertGreater(parts[2], 0, case)
+            self.assertEqual(min(parts[:2]) > 0, case.endswith("kim15"), case)
+            self.assertLess(sum(parts), seconds, case)
 
     def test_few_monopoles_are_negative(self):
         counts = self.results.ours("kim15-monopoles", "monopoles")
@@ -206,6 +271,39 @@ class SmallRun(unittest.TestCase):
         sizes = self.results.ours("zb25-classes", "pairs")
         whole = sizes.pop("all") - self.results.ours("zb25-classes", "pairs that show nothing")["all"]
         self.assertEqual(sum(sizes.values()), whole)
+
+    def test_a_smooth_surface_has_the_dimension_two(self):
+        for way in ("triangles", "boxes"):
+            deviations = self.need("dimension-known").ours("dimension-known", f"deviation, {way}")
+            for case in ("sphere, a mesh", "unit ball, q^2 at n = 20"):
+                self.assertAlmostEqual(deviations[case], 0, delta=0.06, msg=(case, way))
+
+    def test_few_steps_make_a_dimension_too_small(self):
+        results = self.need("dimension-known")
+        found = results.ours("dimension-known", "by triangles")
+        self.assertLess(found["q^2 - 1 at n = 5"], found["q^2 - 1 at n = 20"])
+        self.assertLess(results.ours("dimension-known", "deviation, triangles")["q^2 - 1 at n = 5"], -0.2)
+
+    def test_means_over_seeds_lie_between_the_least_and_the_greatest(self):
+        low, high = (self.results.ours("dimension-seeds", word) for word in ("least", "greatest"))
+        for case, mean in self.results.ours("dimension-seeds", "dimension, mean").items():
+            self.assertTrue(low[case] < mean < high[case], case)
+
+    def test_detail_makes_blocks_of_a_larger_dimension(self):
+        plain, rough = self.results.ours("dimension-map", "quantile 0.95").values()
+        self.assertGreater(rough, plain)
+
+    def test_the_set_gets_thinner_until_no_point_is_in_it(self):
+        inside = list(self.need("zb25-thinner").ours("zb25-thinner", "points inside").values())
+        self.assertEqual(inside, sorted(inside, reverse=True))
+        self.assertGreater(inside[0], 0)
+        self.assertEqual(inside[-1], 0)
+
+    def test_the_form_without_trigonometry_is_the_same_square(self):
+        off = self.need("zb25-speed").ours("zb25-speed", "largest difference from the square by angles")
+        self.assertEqual(len(off), 3)
+        for case, difference in off.items():
+            self.assertLess(difference, 1e-12, case)
 
     def test_each_claim_of_the_page_on_replication_has_its_command(self):
         text = PAGE.read_text()
@@ -236,7 +334,7 @@ class SmallRun(unittest.TestCase):
                                        start_new_session=True)
             # Killed in the middle of the second entry, after its first command.
             for line in process.stderr:
-                if "kd20-table-1: --alpha 40" in line:
+                if "kd20-table-1: bunny, --alpha 40" in line:
                     os.killpg(process.pid, signal.SIGKILL)
             process.wait()
             process.stderr.close()
@@ -246,7 +344,7 @@ class SmallRun(unittest.TestCase):
             done = subprocess.run(command, env={**os.environ, "JULIAVDB": str(PROGRAM)}, capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn(f"{names[0]}: has its result", done.stderr)
-            self.assertIn("kd20-table-1: as found", done.stderr)
+            self.assertIn("kd20-table-1: bunny, as found", done.stderr)
             self.assertEqual((folder / names[0] / "result.json").read_bytes(), first)
             self.assertEqual([path.name for path in folder.glob(".*") if path.is_dir()], [".meshes"])
             for name in names:
