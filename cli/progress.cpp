@@ -128,7 +128,9 @@ void Progress::show() {
     text += "[" + std::string(static_cast<std::size_t>(filled), '#') +
             std::string(static_cast<std::size_t>(kWidth - filled), '.') + "] " +
             std::to_string(static_cast<int>(part * 100)) + " %";
-    if (part > 0.01) text += ", " + duration(inPhase * (1 - part) / part) + " left";
+    // An estimate below a second says nothing, and the last steps may take longer than it says.
+    if (const double left = inPhase * (1 - part) / part; part > 0.01 && left >= 1)
+      text += ", " + duration(left) + " left";
   } else {
     text += "for " + duration(inPhase);
   }

@@ -63,7 +63,19 @@ def fractal(vertices=None, faces=None, *, progress=None, memory=None, **options)
     own, such as map="mandelbulb", needs none. The grids that grids= names are made at once; without it they are made
     when the first VDB is written, which takes as long again, but for the target's distances.
     """
-    return _target.scene(vertices, faces, progress, memory, options).fractal(options.get("grids") is not None, progress)
+    made = _target.scene(vertices, faces, progress, memory, options).fractal(options.get("grids") is not None, progress)
+    made._given = vertices, faces, memory, options
+    return made
+
+
+def _made_again(vertices, faces, memory, options):
+    return fractal(vertices, faces, memory=memory, **options)
+
+
+def _reduce_fractal(self):
+    """A fractal is pickled as what it was made of, as a Field is, and made again of it: the same bits."""
+    return _made_again, self._given
+
 
 
 @_options.documented(_options.FRACTAL, _options.VIEW)
@@ -102,6 +114,9 @@ def _to_meshio(self):
     return meshio.Mesh(self.vertices, [("triangle", self.faces)], point_data=dict(self.attributes))
 
 
+Fractal.__reduce__ = _reduce_fractal
+Fractal.__copy__ = lambda self: self
+Fractal.__deepcopy__ = lambda self, memo: self
 _to_meshio.__name__, _to_meshio.__qualname__ = "to_meshio", "Fractal.to_meshio"
 Fractal.to_meshio = _to_meshio
 _write.__name__, _write.__qualname__ = "write", "Fractal.write"

@@ -298,7 +298,8 @@ PYBIND11_MODULE(_juliavdb, m) {
                              [](const MadeScene& made) { return vdbtools::sceneMetadata(made.scene, made.recipe); })
       .def_property_readonly("recipe", [](const MadeScene& made) { return made.recipe; });
 
-  py::class_<MadeFractal, std::shared_ptr<MadeFractal>>(m, "Fractal", "A fractal in memory, as fractal() makes it.")
+  py::class_<MadeFractal, std::shared_ptr<MadeFractal>>(m, "Fractal", py::dynamic_attr(),
+                                                        "A fractal in memory, as fractal() makes it.")
       .def_property_readonly("vertices", viewGetter<double>(&vdbtools::Mesh::points),
                              "The vertices, (n, 3) float64, in the target's units. It cannot be written to; copy it to "
                              "change it.")
@@ -322,7 +323,7 @@ PYBIND11_MODULE(_juliavdb, m) {
       .def(py::init(&openFit))
       .def_property_readonly("info", infoOfFit,
                              "A dict: recipe, top_roots, bottom_roots, steps, and how well the map fits: iou after one "
-                             "iteration and iterated_iou after four, psi, "
+                             "iteration and iterated_iou after iterations=, or after four where that is one, psi, "
                              "mean_distance and hausdorff, the distances in shares of the longest side.")
       .def("_write", [](const MadeFit& fit, const std::string& path, const py::object& progress) {
         doWatched(progress, std::nullopt, [&](Monitor& monitor) { writeFit(fit, path, monitor); });

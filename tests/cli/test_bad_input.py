@@ -327,6 +327,7 @@ class Places(harness.CliTest):
                 (("convert", "s.vdb", "-o"), ".nvdb")]
 
     def test_no_such_folder(self):
+        self.refused(CANNOT_CREATE, "sdf", "s.obj", "-o", "nowhere/x.vdb", mentions="there is no folder nowhere; make it first, by mkdir -p")
         self.all_refused(CANNOT_CREATE, [(*job, f"nowhere/x{extension}") for job, extension in self.jobs()],
                          mentions="nowhere")
 

@@ -63,6 +63,18 @@ class Copies(ResearchTest):
                 for same in (copy.copy(field), copy.deepcopy(field)):
                     self.assertTrue(np.array_equal(same(points), field(points)))
 
+    def test_a_pickled_fractal_is_the_same(self):
+        arrays = np.array(self.mesh[0]), np.array(self.mesh[1])
+        for given in ((self.torus,), arrays):
+            made = juliavdb.fractal(*given, detail=0.4, attributes="depth", **SMALL)
+            again = pickle.loads(pickle.dumps(made))
+            for name in ("vertices", "faces", "normals"):
+                self.assertTrue(np.array_equal(getattr(again, name), getattr(made, name)))
+            self.assertTrue(np.array_equal(again.attributes["depth"], made.attributes["depth"]))
+            self.assertEqual(again.info, made.info)
+            for same in (copy.copy(made), copy.deepcopy(made)):
+                self.assertTrue(np.array_equal(same.vertices, made.vertices))
+
     def test_a_target_may_be_a_mesh_of_meshio(self):
         class MeshioMesh:
             """What is read of one."""

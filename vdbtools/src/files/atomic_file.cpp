@@ -235,6 +235,8 @@ Place placeOf(const fs::path& path) {
 
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   const fs::path canonicalFolder = fs::canonical(folder, error);
+  if (error == std::errc::no_such_file_or_directory)
+    cannotCreate(path, "there is no folder " + nameOf(folder) + "; make it first, by mkdir -p");
   if (error) cannotCreate(path, "its folder " + nameOf(folder) + " cannot be used: " + error.message());
   place.target = canonicalFolder / target.filename();
   return place;
