@@ -7,12 +7,15 @@ from .parts import dimension, dimension_values, growth
 
 TEXTURES = ("scales", "quills", "woven", "ledges", "fur", "coral", "bark", "thorns", "rings", "shells")
 DIMENSION = 2.1868
+# Of each shape: top roots, bottom roots, and the sums of their powers.
+SHAPES = {"bunny": (178, 153, 251.998, 89.3455), "frog": (194, 170, 59.9387, 33.2539), "tooth": (65, 43, 372.339, 127.73)}
 
 
-def fit(size, file="bunny.json", alpha=40):
-    """As rough as `--alpha 40` is: without it the fit is far smoother."""
-    return (f"juliavdb fit $bunny -o {file} --iterations 1 --roots {size.pick(16, 331, 331)} --resolution {size.pick(25, 97, 97)}"
-            + (f" --alpha {alpha}" if alpha else ""))
+def fit(size, file="bunny.json", alpha=40, shape="bunny"):
+    """As rough as `--alpha 40` is: without it the fit is far smoother. It has as many roots as the paper's."""
+    roots = sum(SHAPES[shape][:2])
+    return (f"juliavdb fit {use(shape)} -o {file} --iterations 1 --roots {size.pick(16, roots, roots)} "
+            f"--resolution {size.pick(25, 97, 97)}" + (f" --alpha {alpha}" if alpha else ""))
 
 
 def dimension_steps(size):
@@ -32,14 +35,9 @@ def dimension_table(outputs, size):
     return values
 
 
-# Of each shape: top roots, bottom roots, and the sums of their powers.
-SHAPES = {"bunny": (178, 153, 251.998, 89.3455), "frog": (194, 170, 59.9387, 33.2539), "tooth": (65, 43, 372.339, 127.73)}
-
-
 def table_1_steps(size):
-    return [Step(f"{shape}, {words}", f"juliavdb fit {use(shape)} -o {shape}.json --iterations 1 "
-                                      f"--roots {size.pick(16, top + bottom, top + bottom)} --resolution {size.pick(25, 97, 97)}{option}")
-            for shape, (top, bottom, *_) in SHAPES.items() for words, option in (("as found", ""), ("--alpha 40", " --alpha 40"))]
+    return [Step(f"{shape}, {words}", fit(size, f"{shape}.json", alpha, shape))
+            for shape in SHAPES for words, alpha in (("as found", None), ("--alpha 40", 40))]
 
 
 def table_1(outputs, size):
@@ -141,8 +139,7 @@ GUARDS = {"no guard": ("", "yes"), "the guard of Eq. 2": (" --guard", "none"),
 def guard_steps(size):
     steps = []
     for alpha, side in TOOTH_ALPHAS.items():
-        steps += [Step(f"the fit, --alpha {alpha}", f"juliavdb fit $tooth -o {side}.json --iterations 1 --roots {size.pick(16, 108, 108)} "
-                                                    f"--resolution {size.pick(25, 97, 97)} --alpha {alpha}"),
+        steps += [Step(f"the fit, --alpha {alpha}", fit(size, f"{side}.json", alpha, "tooth")),
                   *(Step(f"--alpha {alpha}, {words}", f"reproduce/tools/naive {side}.json --nodes {size.pick(6, 14, 24)}{option}")
                     for words, (option, _) in GUARDS.items())]
     return steps
