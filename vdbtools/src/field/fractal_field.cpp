@@ -60,13 +60,18 @@ openvdb::BBoxd inLattice(const openvdb::BBoxd& world, const FractalFieldOptions&
   return {(world.min() - options.origin) / options.voxelSize, (world.max() - options.origin) / options.voxelSize};
 }
 
+/// The nodes in a box of the lattice's index space, plus @a margin nodes on every side.
+CoordBBox nodesIn(const openvdb::BBoxd& lattice, int margin) {
+  return {Coord::ceil(lattice.min()).offsetBy(-margin), Coord::floor(lattice.max()).offsetBy(margin)};
+}
+
 /// The lattice nodes in a box of world space, plus @a margin nodes on every side.
 CoordBBox latticeNodes(const openvdb::BBoxd& world, const FractalFieldOptions& options, int margin) {
   const openvdb::BBoxd box = inLattice(world, options);
   if (!canBeNumbered(box))
     throw std::invalid_argument("at voxel size " + shortText(options.voxelSize) +
                                 " the lattice is too large to be indexed; use larger voxels, or a small box");
-  return {Coord::ceil(box.min()).offsetBy(-margin), Coord::floor(box.max()).offsetBy(margin)};
+  return nodesIn(box, margin);
 }
 
 void requireValid(const FractalFieldOptions& options) {
@@ -90,8 +95,7 @@ CoordBBox wholeDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
   const int margin = exponent.denseBox ? 0 : 1;
   if (options.origin == Vec3d(0)) return latticeNodes(world, options, margin);
   // A lattice about a small box need not number what lies far from it.
-  const openvdb::BBoxd nodes = numbered(inLattice(world, options));
-  return {Coord::ceil(nodes.min()).offsetBy(-margin), Coord::floor(nodes.max()).offsetBy(margin)};
+  return nodesIn(numbered(inLattice(world, options)), margin);
 }
 
 /// The domain of a run: the whole, clipped by the box.
@@ -152,8 +156,7 @@ class LatticeView {
       box.min()[axis] = at - extent;
       box.max()[axis] = at + extent;
     }
-    const openvdb::BBoxd nodes = numbered(box);
-    return {Coord::ceil(nodes.min()), Coord::floor(nodes.max())};
+    return nodesIn(numbered(box), 0);
   }
 
  private:
