@@ -162,7 +162,11 @@ Json gridInfo(const openvdb::GridBase& grid) {
 Json vdbInfo(const std::string& path) {
   const vdbtools::VdbFile file = vdbtools::readVdb(path);
   Json info{{"kind", "VDB"}, {"grids", Json::array()}};
-  for (const auto& grid : file.grids) info["grids"].push_back(gridInfo(*grid));
+  const std::vector<std::string> labels = vdbtools::gridLabels(file);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    info["grids"].push_back(gridInfo(*file.grids[i]));
+    info["grids"].back()["name"] = labels[i];
+  }
   for (const auto& grid : file.unread)
     info["grids"].push_back({{"name", grid.name}, {"type", grid.type}, {"class", "not known, and not read"}});
   if (Json recipe = recipeOf(file.metadata); !recipe.is_null()) info["recipe"] = recipe;

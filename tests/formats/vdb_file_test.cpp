@@ -9,10 +9,12 @@
 #include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>
+#include <openvdb/io/File.h>
 
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <map>
 
 namespace {
 
@@ -139,6 +141,33 @@ TEST_F(VdbFileTest, AGridIsChosenByNameOrRefusedWithTheList) {
   b->setName("b");
   EXPECT_THROW(chooseFloatGrid({{a, b}, {}}, "", "x.vdb"), DataError);
   EXPECT_THROW(chooseFloatGrid({{openvdb::Vec3SGrid::create()}, {}}, "", "x.vdb"), DataError);
+}
+
+// Files of other programs may hold several grids of one name.
+TEST_F(VdbFileTest, GridsOfOneNameHaveNumbers) {
+  const auto first = fineBall(), second = fineBall(), other = fineBall();
+  first->setName("a");
+  second->setName("a");
+  other->setName("b");
+  const auto vectors = openvdb::Vec3SGrid::create();
+  vectors->setName("v");
+  openvdb::io::File(mPath).write(openvdb::GridPtrVec{second, other, first, vectors});
+  const VdbFile file = readVdb(mPath);
+  const std::vector<std::string> labels = gridLabels(file);
+  ASSERT_EQ(labels.size(), 4U);
+  std::map<std::string, openvdb::GridBase::Ptr> byLabel;
+  for (std::size_t i = 0; i < 4; ++i) byLabel[labels[i]] = file.grids[i];
+  ASSERT_TRUE(byLabel.contains("a[0]") && byLabel.contains("a[1]") && byLabel.contains("b") && byLabel.contains("v"));
+  EXPECT_EQ(chooseFloatGrid(file, "a[0]", "x.vdb"), byLabel["a[0]"]);
+  EXPECT_EQ(chooseFloatGrid(file, "a[1]", "x.vdb"), byLabel["a[1]"]);
+  EXPECT_NE(byLabel["a[0]"], byLabel["a[1]"]);
+  for (const char* name : {"a", "", "a[2]"}) try {
+      chooseFloatGrid(file, name, "x.vdb");
+      FAIL() << name;
+    } catch (const DataError& error) {
+      for (const char* label : {"'a[0]' (float)", "'a[1]' (float)"})
+        EXPECT_NE(std::string(error.what()).find(label), std::string::npos) << error.what();
+    }
 }
 
 TEST(Recipe, SurvivesMetadata) {

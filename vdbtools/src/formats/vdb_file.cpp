@@ -330,14 +330,26 @@ std::vector<std::string> distanceGrids(const std::map<std::string, std::string>&
   return names;
 }
 
+std::vector<std::string> gridLabels(const VdbFile& file) {
+  std::map<std::string, std::size_t> count, seen;
+  for (const auto& grid : file.grids) ++count[grid->getName()];
+  std::vector<std::string> labels;
+  for (const auto& grid : file.grids) {
+    const std::string name = grid->getName();
+    labels.push_back(count[name] == 1 ? name : name + "[" + std::to_string(seen[name]++) + "]");
+  }
+  return labels;
+}
+
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,
                                         const std::filesystem::path& path) {
+  const std::vector<std::string> labels = gridLabels(file);
   std::vector<openvdb::FloatGrid::Ptr> candidates;
   std::string list;
-  for (const auto& grid : file.grids) {
-    list += (list.empty() ? "" : ", ") + ("'" + grid->getName() + "' (" + grid->valueType() + ")");
-    const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
-    if (floats && (name.empty() || grid->getName() == name)) candidates.push_back(floats);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    list += (list.empty() ? "" : ", ") + ("'" + labels[i] + "' (" + file.grids[i]->valueType() + ")");
+    const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(file.grids[i]);
+    if (floats && (name.empty() || labels[i] == name || floats->getName() == name)) candidates.push_back(floats);
   }
   if (candidates.size() > 1 && name.empty())
     for (const std::string& preferred : distanceGrids(file.metadata))

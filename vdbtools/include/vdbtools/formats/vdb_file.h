@@ -80,8 +80,12 @@ std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& 
 /// The names that a file's distances may have, by its metadata, the likeliest first.
 std::vector<std::string> distanceGrids(const std::map<std::string, std::string>& metadata);
 
-/// Returns the FloatGrid called @a name. If the name is empty, it is the only FloatGrid, or among several the one that
-/// the file's metadata name (kDistanceGrid), or else the one called "surface" or "phi".
+/// A name for each grid that no other grid has: where several have the same one, it is followed by [0], [1] and so on
+/// in the order of the file, as OpenVDB's own tools number them.
+std::vector<std::string> gridLabels(const VdbFile& file);
+
+/// Returns the FloatGrid called @a name, which may be its label. If the name is empty, it is the only FloatGrid, or
+/// among several the one that the file's metadata name (kDistanceGrid), or else the one called "surface" or "phi".
 /// @throw DataError  there is no such grid, it is of another type, or the choice is ambiguous; the message lists the
 ///                   grids
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,
