@@ -72,6 +72,10 @@ void addMeshes(Seeds& seeds) {
       "property int vertex1\nproperty int vertex2\nend_header\n0 0 0 255 0 0 0 0\n1 0 0 0 255 0 1 0\n1 1 0 0 0 255 1 "
       "1\n"
       "0 1 0.5 9 9 9 0 1\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n3 0 1 2 0\n0 1\n");
+  add("ply", "strips",
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
+      "tristrips 2\n"
+      "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 0 1 2 3 -1 3 1 1 0\n3 2 0 3\n");
   add("obj", "own", written({.format = MeshFormat::Obj, .comments = smallMetadata()}));
   add("obj", "text",
       "# by hand\nmtllib a.mtl\no part\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 0\nv 0.5 0.4 0\nvt 0 0\nvt 1 0\nvt "

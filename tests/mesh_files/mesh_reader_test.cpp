@@ -255,6 +255,82 @@ TEST(ReadMesh, PlyWithFacesFirstAndOtherElements) {
   EXPECT_EQ(mesh.triangles, std::vector<Vec3I>({{2, 1, 0}}));
 }
 
+/// A ball of rings of points as a PLY of triangle strips, one around each pair of rings, which ends in -1 except the
+/// last one of its row. The points of a pole repeat, so triangles there repeat a corner.
+std::string asStripPly(int rings, int around, int stripsPerRow, bool binary) {
+  std::string points, rows;
+  int pointCount = 0, rowCount = 0;
+  for (int ring = 0; ring <= rings; ++ring)
+    for (int k = 0; k < around; ++k, ++pointCount) {
+      const double polar = M_PI * ring / rings, angle = 2 * M_PI * k / around;
+      const bool isPole = ring == 0 || ring == rings;
+      const Vec3d p(isPole ? 0 : std::sin(polar) * std::cos(angle), isPole ? 0 : std::sin(polar) * std::sin(angle),
+                    ring == 0       ? 1
+                    : ring == rings ? -1
+                                    : std::cos(polar));
+      for (int axis = 0; axis < 3; ++axis) points += binary ? bytesOfNumber(p[axis], true) : "";
+      points += binary ? "" : pointLine(p);
+    }
+  const auto pointOf = [&](int ring, int k) {
+    return ring == 0 ? 0 : ring == rings ? rings * around : ring * around + k % around;
+  };
+  for (int first = 0; first < rings; first += stripsPerRow, ++rowCount) {
+    std::vector<int> list;
+    for (int ring = first; ring < std::min(rings, first + stripsPerRow); ++ring) {
+      if (ring > first) list.push_back(-1);
+      for (int k = 0; k <= around; ++k) list.insert(list.end(), {pointOf(ring, k), pointOf(ring + 1, k)});
+    }
+    rows += binary ? bytesOfNumber(static_cast<std::int32_t>(list.size()), true) : std::to_string(list.size());
+    for (const int index : list)
+      rows += binary ? bytesOfNumber(std::int32_t{index}, true) : " " + std::to_string(index);
+    rows += binary ? "" : "\n";
+  }
+  return std::string("ply\nformat ") + (binary ? "binary_big_endian" : "ascii") + " 1.0\nelement vertex " +
+         std::to_string(pointCount) + "\nproperty double x\nproperty double y\nproperty double z\nelement tristrips " +
+         std::to_string(rowCount) + "\nproperty list int int vertex_indices\nend_header\n" + points + rows;
+}
+
+TEST(ReadMesh, StripsOfAPlyAreABall) {
+  constexpr int rings = 12, around = 16;
+  for (const int stripsPerRow : {1, 5, rings})
+    for (const bool binary : {false, true}) {
+      const TemporaryFolder folder;
+      const Mesh mesh = readMesh(folder.write("strips.ply", asStripPly(rings, around, stripsPerRow, binary)));
+      const vdbtools::MeshReport report = reportMesh(mesh);
+      EXPECT_EQ(report.triangles, 2u * around * (rings - 1)) << stripsPerRow;
+      EXPECT_TRUE(report.closed()) << stripsPerRow;
+      EXPECT_EQ(report.degenerateFaces, 0u);
+      EXPECT_NEAR(report.volume, 4 * M_PI / 3, 0.3);
+    }
+}
+
+TEST(ReadMesh, StripsOfAPly) {
+  const auto ply = [](const std::string& elements, const std::string& rows) {
+    return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n" +
+           elements + "end_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + rows;
+  };
+  const std::string strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+  const TemporaryFolder folder;
+  const auto trianglesOf = [&](const std::string& text) { return readMesh(folder.write("a.ply", text)).triangles; };
+  // As many as points less two, every second one turned.
+  EXPECT_EQ(trianglesOf(ply(strips, "5 0 1 2 3 0\n")), std::vector<Vec3I>({{0, 1, 2}, {2, 1, 3}, {2, 3, 0}}));
+  // After a -1 the first triangle is as it stands again; one that is too short, or nothing at all, is none.
+  EXPECT_EQ(trianglesOf(ply(strips, "12 -1 0 1 2 3 -1 -1 1 3 -1 2 0\n")), std::vector<Vec3I>({{0, 1, 2}, {2, 1, 3}}));
+  EXPECT_EQ(trianglesOf(ply(strips, "8 0 1 2 3 -1 1 0 3\n")), std::vector<Vec3I>({{0, 1, 2}, {2, 1, 3}, {1, 0, 3}}));
+  // A triangle that repeats a corner is left out, and counts for the next one's turn.
+  EXPECT_EQ(trianglesOf(ply(strips, "6 0 1 2 2 3 1\n")), std::vector<Vec3I>({{0, 1, 2}, {3, 2, 1}}));
+  // Beside faces they say the same once more.
+  const std::string faces = "element face 1\nproperty list int int vertex_indices\n";
+  EXPECT_EQ(trianglesOf(ply(strips + faces, "4 0 1 2 3\n3 3 2 1\n")), std::vector<Vec3I>({{3, 2, 1}}));
+  EXPECT_EQ(trianglesOf(ply(faces + strips, "3 3 2 1\n4 0 1 2 3\n")), std::vector<Vec3I>({{3, 2, 1}}));
+  EXPECT_REFUSED("a.ply", ply(strips, "4 0 1 2 4\n"), "point 4");
+  EXPECT_REFUSED("a.ply", ply(strips, "4 0 1 2 -2\n"), "-2");
+  EXPECT_REFUSED("a.ply", ply(strips, "4 0 1 2 0.5\n"), "0.5");
+  EXPECT_REFUSED("a.ply", ply(strips, "4 0 1 2\n"), "truncated");
+  EXPECT_REFUSED("a.ply", ply(strips, "4 0 1 -1 2\n"), "no triangle");
+  EXPECT_REFUSED("a.ply", ply("element tristrips 1\nproperty list int int indices\n", "3 0 1 2\n"), "vertex_indices");
+}
+
 TEST(ReadMesh, ConcavePolygonsAreCoveredOnce) {
   const TemporaryFolder folder;
   struct Case {

@@ -142,12 +142,13 @@ class BodyReader {
   }
 
   /// Reads a count or an index, which must be a non-negative integer.
-  std::uint64_t nextWhole(Scalar type, const char* what) {
+  std::uint64_t nextWhole(Scalar type, const char* what) { return wholeFrom(next(type), what); }
+
+  /// Reads an index of a triangle strip; none for the -1 that ends a strip.
+  std::optional<std::uint64_t> nextOfStrip(Scalar type) {
     const double value = next(type);
-    if (!(value >= 0 && value < 4294967296.0 && value == std::floor(value))) {
-      fail(std::string(what) + " is " + std::to_string(value) + "; export the mesh again");
-    }
-    return static_cast<std::uint64_t>(value);
+    if (value == -1) return std::nullopt;
+    return wholeFrom(value, "the index of a point");
   }
 
   /// Reads the length of a list, which must fit the rest of the file.
@@ -173,6 +174,13 @@ class BodyReader {
   }
 
  private:
+  std::uint64_t wholeFrom(double value, const char* what) const {
+    if (!(value >= 0 && value < 4294967296.0 && value == std::floor(value))) {
+      fail(std::string(what) + " is " + std::to_string(value) + "; export the mesh again");
+    }
+    return static_cast<std::uint64_t>(value);
+  }
+
   [[noreturn]] void truncated() const {
     fail("the file ends here, though its header announces " + std::to_string(mElement->count) +
          " of these; it is truncated: export it again");
@@ -396,6 +404,47 @@ void readFaces(BodyReader& body, const Element& element, std::uint64_t points, P
   }
 }
 
+/// Reads triangle strips, as the Stanford scans have them: lists of points, in which -1 ends a strip. Each point from
+/// the third one of a strip on makes a triangle with the two before it. Every second triangle is turned round, so that
+/// all of a strip have its orientation. Triangles that repeat a point only lead from one place to the next.
+void readStrips(BodyReader& body, const Element& element, std::uint64_t points, Polygons& polygons) {
+  constexpr std::uint32_t kNone = 0xffffffff;
+  if (std::count_if(element.properties.begin(), element.properties.end(), isIndexList) != 1) {
+    body.fail("triangle strips need the list 'vertex_indices', exactly once; export the mesh again");
+  }
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    body.setIndex(i);
+    for (const Property& p : element.properties) {
+      const std::uint64_t length = p.countType ? body.nextLength(p) : 1;
+      if (!isIndexList(p)) {
+        body.skip(p.type, length);
+        continue;
+      }
+      std::array<std::uint32_t, 2> before{kNone, kNone};
+      bool isTurned = false;
+      for (std::uint64_t c = 0; c < length; ++c) {
+        const std::optional<std::uint64_t> index = body.nextOfStrip(p.type);
+        if (!index) {
+          before = {kNone, kNone};
+          isTurned = false;
+          continue;
+        }
+        if (*index >= points) {
+          body.fail("it refers to point " + std::to_string(*index) + ", but there are only " + std::to_string(points) +
+                    "; export the mesh again");
+        }
+        const auto at = static_cast<std::uint32_t>(*index);
+        if (before[0] != kNone) {
+          if (before[0] != before[1] && before[1] != at && at != before[0])
+            polygons.add(std::array{before[isTurned ? 1 : 0], before[isTurned ? 0 : 1], at});
+          isTurned = !isTurned;
+        }
+        before = {before[1], at};
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
@@ -403,7 +452,7 @@ Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
   BodyReader body(path, header);
   std::uint64_t points = 0;
   std::uint64_t bytes = 0;
-  bool hasStrips = false;
+  bool hasFaces = false;
   for (const Element& element : header.elements) {
     // Counts are compared with the file before anything is reserved or looped over.
     body.setElement(element);
@@ -415,7 +464,7 @@ Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
     }
     bytes += element.count * least;
     if (element.name == "vertex") points += element.count;
-    hasStrips = hasStrips || element.name == "tristrips";
+    hasFaces = hasFaces || (element.name == "face" && element.count > 0);
   }
   if (bytes > header.body.size() + 1) {
     throw DataError(path.string() + ": the header announces at least " + std::to_string(bytes) + " bytes, but " +
@@ -432,15 +481,14 @@ Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
       readVertices(body, element, mesh);
     } else if (element.name == "face" && element.count > 0) {
       readFaces(body, element, points, polygons, faceUvs);
+    } else if (element.name == "tristrips" && !hasFaces) {  // strips beside faces say the same once more
+      readStrips(body, element, points, polygons);
     } else if (!element.properties.empty()) {
       for (std::uint64_t i = 0; i < element.count; ++i) {
         body.setIndex(i);
         for (const Property& p : element.properties) body.skip(p.type, p.countType ? body.nextLength(p) : 1);
       }
     }
-  }
-  if (polygons.empty() && hasStrips) {
-    throw DataError(path.string() + ": triangle strips cannot be read; export the mesh with faces");
   }
   const std::vector<openvdb::Vec2s> vertexUvs = takeVertexUvs(mesh);
   polygons.triangulate(mesh, faceUvs);

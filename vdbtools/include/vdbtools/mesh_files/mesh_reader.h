@@ -21,10 +21,10 @@ std::string meshExtension(const std::filesystem::path& path);
 /// Reads OBJ, PLY, STL, OFF or glTF (.glb, .gltf), according to meshExtension(). Polygons are split
 /// into triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept; STL and
 /// glTF are welded. Coordinates are read in double precision, except those of STL and glTF, which are floats. In OBJ,
-/// corners that a face repeats are dropped. In glTF, all triangles of the default scene are joined, in the positions
-/// given by their nodes, skins and morph targets as they stand in the file (mesh_animation.h plays animations);
-/// instances (EXT_mesh_gpu_instancing) as often as they occur. Materials are ignored, and a .gltf may only name buffers
-/// in its own folder.
+/// corners that a face repeats are dropped. A PLY may have triangle strips in the place of faces. In glTF, all
+/// triangles of the default scene are joined, in the positions given by their nodes, skins and morph targets as they
+/// stand in the file (mesh_animation.h plays animations); instances (EXT_mesh_gpu_instancing) as often as they occur.
+/// Materials are ignored, and a .gltf may only name buffers in its own folder.
 ///
 /// The attributes of a PLY are all scalar properties of the vertices except x, y, z, nx, ny, nz and texture
 /// coordinates; integers that are colour channels (red, green, blue, alpha) are scaled to 0..1. Those of an OBJ are
