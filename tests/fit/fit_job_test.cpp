@@ -141,6 +141,7 @@ TEST(FitJob, RefusesBadOptionsAndNamesThem) {
       {"power-penalty", {"-1e-9", "nan", "inf"}},
       {"repair-gap", {"-1", "nan"}},
       {"start", {"random", ""}},
+      {"places", {"stay", ""}},
       {"weights", {"layer", ""}},
       {"seed", {"-1", "1.5", "18446744073709551616"}},
       {"repair", {"yes"}},
@@ -213,6 +214,14 @@ TEST(FitJob, MoreRootsFitBetter) {
     EXPECT_LT(more.measure.meanDistance, few.measure.meanDistance);
     EXPECT_GT(more.measure.iou, 0.9);
   }
+}
+
+TEST(FitJob, RootsThatMoveFitBetter) {
+  const FitResult moved = files().dumbbell({{"roots", "24"}}).run();
+  const FitResult kept = files().dumbbell({{"roots", "24"}, {"places", "keep"}}).run();
+  EXPECT_LT(moved.measure.psi, kept.measure.psi);
+  EXPECT_GT(moved.measure.iou, kept.measure.iou);
+  EXPECT_LT(moved.measure.meanDistance, kept.measure.meanDistance);
 }
 
 TEST(FitJob, TargetIouSavesRoots) {

@@ -295,6 +295,37 @@ TYPED_TEST(Kernels, logDistancesAreRight) {
     }
 }
 
+TYPED_TEST(Kernels, logSlopesAreRight) {
+  using Real = TypeParam;
+  constexpr double eps = std::numeric_limits<Real>::epsilon();
+  for (const std::size_t size : {16, 256, 1008})
+    for (const Real rest : {Real(0), Real(-0.1)}) {
+      const Real root[4] = {Real(0.1), Real(-0.25), Real(0.7), rest};
+      const auto x = coordinates<Real>(1, size, root[0]), y = coordinates<Real>(2, size, root[1]),
+                 z = coordinates<Real>(3, size, root[2]);
+      const auto slopes = [&] {
+        std::vector<Real> out(4 * size);
+        julia::kernels::kernels<Real>().logSlopes(root, x.data(), y.data(), z.data(), out.data(), size);
+        return out;
+      };
+      expectSameBits<Real>(slopes);
+      const std::vector<Real> found = slopes();
+      for (std::size_t i = 0; i < size; ++i) {
+        const long double d[4] = {static_cast<long double>(root[0]) - x[i], static_cast<long double>(root[1]) - y[i],
+                                  static_cast<long double>(root[2]) - z[i], rest};
+        const long double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3];
+        for (std::size_t k = 0; k < 4; ++k) {
+          const Real slope = found[k * size + i];
+          // Half an eps of the difference, of the quotient and of the product, and two of the square.
+          if (square == 0)
+            EXPECT_EQ(slope, 0) << i;
+          else
+            EXPECT_LE(std::abs(slope - d[k] / square), 4 * eps * std::abs(d[k] / square)) << i << ' ' << k;
+        }
+      }
+    }
+}
+
 /// Counts that fill the kernels' groups of columns and that do not.
 constexpr std::size_t kColumnCounts[] = {0, 1, 3, 4, 5, 8, 11};
 

@@ -10,9 +10,11 @@
 
 #include "julia/elementary.h"
 #include "julia/fit/cancelled.h"
+#include "julia/fit/minimise.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -60,6 +62,9 @@ struct Effort {
   double settled;
 };
 constexpr Effort kRound{5, 1e-3}, kLast{12, 1e-4}, kSharpen{6, 1e-4};
+// How far each coordinate of a root may move at once, in cells, and the optimiser's steps.
+constexpr double kPlaceReach = 4;
+constexpr int kPlaceSteps = 30;
 
 enum class Loss { Logistic, Energy };
 
@@ -122,6 +127,10 @@ class Fitter {
   std::optional<VectorXd> minimumOf(const VectorXd& gradient, double damping);
   std::optional<double> stepTowards(const VectorXd& target, const Objective& objective);
   void newton(const Objective& objective, const Effort& effort);
+
+  bool isOnItsSide(const FitRoot& root) const;
+  void place(const std::vector<FitRoot>& roots);
+  bool moveRoots(const Objective& objective);
 
   double heldOutIou() const;
   double psi() const;
@@ -321,7 +330,7 @@ std::vector<double> Fitter::slopes(const Objective& objective, VectorXd& gradien
         }
         return 0.0;
       },
-      true);
+      LogMatrix::Products::Logs);
   gradient = Eigen::Map<const VectorXd>(pass.products.data(), n).cwiseProduct(signs());
   gradient.head(n - 1) += kRidge * mX.head(n - 1) + VectorXd::Constant(n - 1, mOptions.powerPenalty);
   return curvature;
@@ -457,6 +466,66 @@ void Fitter::newton(const Objective& objective, const Effort& effort) {
   }
 }
 
+/// Whether the distances of the cells prove that a top root is inside the target, or a bottom root outside it.
+bool Fitter::isOnItsSide(const FitRoot& root) const {
+  return std::any_of(mCells.begin(), mCells.end(), [&](const FitCell& cell) {
+    if ((cell.phi > 0) != root.bottom) return false;
+    double square = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      square += (cell.x[axis] - root.x[axis]) * (cell.x[axis] - root.x[axis]);
+    return square < double{cell.phi} * cell.phi;
+  });
+}
+
+/// Puts the roots at other places.
+void Fitter::place(const std::vector<FitRoot>& roots) {
+  mRoots = roots;
+  std::vector<Quaternion<double>> positions;
+  for (const FitRoot& root : mRoots) positions.push_back(Embedding{}.quaternion<double>(root.x));
+  mLogs.move(positions);
+  mHeldLogs.move(positions);
+  mGram.resize(0, 0);
+  mProgram.reset();
+  mLogs.logModuli(weights(mX), constant(mX), mL);
+}
+
+/// Lowers the objective by the positions of the roots. A root that would leave its side, as far as the cells prove
+/// where that ends, stays.
+/// @return whether the objective is lower; otherwise nothing has changed
+bool Fitter::moveRoots(const Objective& objective) {
+  std::vector<double> signedWeights(mWeight);
+  for (std::size_t i = 0; i < mCells.size(); ++i) signedWeights[i] *= mSide[i];
+  const Rational start = rational();
+  ShapeEnergy energy(pointsOf(mCells), std::move(signedWeights), start,
+                     {.alpha = objective.sharpness, .memoryLimit = 0});
+  // In the order of a rational: the top roots first.
+  std::vector<std::size_t> order(mRoots.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_partition(order.begin(), order.end(), [&](std::size_t j) { return !mRoots[j].bottom; });
+  std::vector<double> reach;
+  for (const std::size_t j : order) reach.push_back(mRoots[j].least > 0 ? 0 : kPlaceReach * mOptions.cellSize);
+  const std::vector<FitRoot> before = mRoots;
+  std::vector<FitRoot> moved = mRoots;
+  Rational found = start;
+  julia::moveRoots(energy, found, reach, {.maxIterations = kPlaceSteps, .cancelled = mOptions.cancelled});
+  for (std::size_t k = 0, tops = found.top.roots.size(); k < order.size(); ++k) {
+    const Quaternion<double>& to = k < tops ? found.top.roots[k].position : found.bottom.roots[k - tops].position;
+    FitRoot& root = moved[order[k]];
+    root.x = {to.a, to.b, to.c};
+    if (!isOnItsSide(root)) root = before[order[k]];
+  }
+  place(moved);
+  const double value = loss(objective, mL) + penalty(mX);
+  if (value < mEnergy) {
+    mEnergy = value;
+    ++mSteps;
+    report(false);
+    return true;
+  }
+  place(before);
+  return false;
+}
+
 double Fitter::heldOutIou() const {
   std::vector<double> l(mHeld.size());
   mHeldLogs.logModuli(weights(mX), constant(mX), l);
@@ -528,7 +597,9 @@ FastFit Fitter::run() {
   newton(kLogistic, kLast);
   mStage = "energy";
   for (const double sharpness : kEnergySharpness) {
-    newton({Loss::Energy, sharpness}, kSharpen);
+    const Objective energy{Loss::Energy, sharpness};
+    newton(energy, kSharpen);
+    if (mOptions.moveRoots && moveRoots(energy)) newton(energy, kSharpen);
     dropUnused();
     report(true);
   }

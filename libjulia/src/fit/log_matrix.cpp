@@ -84,15 +84,38 @@ void LogMatrix::keep(std::span<const std::size_t> indices) {
   });
 }
 
+void LogMatrix::move(std::span<const Quaternion<double>> places) {
+  mRoots.assign(places.begin(), places.end());
+  if (!mStored) return;
+  tbb::parallel_for(std::size_t{0}, blockCount(), [&](std::size_t block) { fill(block, 0, mBlocks[block].data()); });
+}
+
+/// Adds to @a sums what the cells of a block contribute to Pass::places.
+void LogMatrix::addPlaces(std::size_t block, const double* factors, std::span<Quaternion<double>> sums) const {
+  constexpr std::size_t kCoordinates = 4;
+  const kernels::Kernels<float>& kernel = kernels::kernels<float>();
+  const std::size_t at = block * kBlock;
+  alignas(64) std::array<float, kCoordinates * kBlock> columns;
+  std::array<double, kCoordinates> products;
+  for (std::size_t j = 0; j < mRoots.size(); ++j) {
+    const Quaternion<float> r = mRoots[j].as<float>();
+    const float root[kCoordinates] = {r.a, r.b, r.c, r.d};
+    kernel.logSlopes(root, &mX[at], &mY[at], &mZ[at], columns.data(), kBlock);
+    kernel.dotColumns(columns.data(), factors, kCoordinates, products.data(), kBlock);
+    sums[j] = sums[j] + Quaternion<double>{products[0], products[1], products[2], products[3]};
+  }
+}
+
 LogMatrix::Pass LogMatrix::pass(std::span<const double> weights, double constant, const Visitor& visit,
-                                bool wantProducts) const {
+                                Products want) const {
   const std::size_t roots = mRoots.size(), blocks = blockCount();
   const std::size_t parts = (blocks + kBlocksPerPart - 1) / kBlocksPerPart;
   std::vector<Pass> partial(parts);
   const kernels::Kernels<float>& kernel = kernels::kernels<float>();
   tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
     Pass& sum = partial[part];
-    if (wantProducts) sum.products.assign(roots + 1, 0);
+    if (want != Products::None) sum.products.assign(roots + 1, 0);
+    if (want == Products::LogsAndPlaces) sum.places.assign(roots, {});
     alignas(64) std::array<double, kBlock> l, factors;
     std::vector<float> scratch;
     std::vector<double> products(roots);
@@ -103,17 +126,20 @@ LogMatrix::Pass LogMatrix::pass(std::span<const double> weights, double constant
       kernel.addColumns(logs, weights.data(), roots, l.data(), kBlock);
       factors.fill(0);
       sum.sum += visit(begin, {l.data(), size}, {factors.data(), size});
-      if (!wantProducts) continue;
+      if (want == Products::None) continue;
       kernel.dotColumns(logs, factors.data(), roots, products.data(), kBlock);
       for (std::size_t j = 0; j < roots; ++j) sum.products[j] += products[j];
       for (std::size_t i = 0; i < size; ++i) sum.products[roots] += factors[i];
+      if (want == Products::LogsAndPlaces) addPlaces(block, factors.data(), sum.places);
     }
   });
   Pass result;
-  if (wantProducts) result.products.assign(roots + 1, 0);
+  if (want != Products::None) result.products.assign(roots + 1, 0);
+  if (want == Products::LogsAndPlaces) result.places.assign(roots, {});
   for (const Pass& part : partial) {
     result.sum += part.sum;
     for (std::size_t j = 0; j < result.products.size(); ++j) result.products[j] += part.products[j];
+    for (std::size_t j = 0; j < result.places.size(); ++j) result.places[j] = result.places[j] + part.places[j];
   }
   return result;
 }
@@ -125,7 +151,7 @@ void LogMatrix::logModuli(std::span<const double> weights, double constant, std:
         std::copy(block.begin(), block.end(), l.begin() + static_cast<std::ptrdiff_t>(begin));
         return 0.0;
       },
-      false);
+      Products::None);
 }
 
 /// Fills the tiles for a block of the sample's cells from @a first on, in the layout of tileProduct(): a tile for each

@@ -35,16 +35,22 @@ class LogMatrix {
   void append(std::span<const Quaternion<double>> roots);
   /// Keeps the columns @a indices, ascending.
   void keep(std::span<const std::size_t> indices);
+  /// Moves every root. @pre as many places as there are roots
+  void move(std::span<const Quaternion<double>> places);
 
   /// Receives l = constant + sum of weights times logs for the cells begin to begin + size, and writes to @a factors
   /// the factors of the cells in the products. Many threads call it for different blocks. @return a summand
   using Visitor = std::function<double(std::size_t begin, std::span<const double> l, std::span<double> factors)>;
 
+  enum class Products { None, Logs, LogsAndPlaces };
   struct Pass {
     double sum = 0;                ///< sum of the visitor's results
     std::vector<double> products;  ///< A^T factors, followed by the sum of the factors
+    /// For each root the sum over the cells of the factor times the derivatives of the cell's logarithm by the
+    /// coordinates of the root.
+    std::vector<Quaternion<double>> places;
   };
-  Pass pass(std::span<const double> weights, double constant, const Visitor& visit, bool wantProducts) const;
+  Pass pass(std::span<const double> weights, double constant, const Visitor& visit, Products products) const;
 
   void logModuli(std::span<const double> weights, double constant, std::span<double> l) const;
 
@@ -57,6 +63,7 @@ class LogMatrix {
   std::size_t blockCount() const { return mX.size() / kBlock; }
   void logs(std::size_t root, const float* x, const float* y, const float* z, float* out) const;
   void fill(std::size_t block, std::size_t firstRoot, float* columns) const;
+  void addPlaces(std::size_t block, const double* factors, std::span<Quaternion<double>> sums) const;
   void fillTiles(const CellSample& sample, std::size_t first, float* tiles) const;
   const float* columns(std::size_t block, std::vector<float>& scratch) const;
   void decideStorage();

@@ -42,17 +42,32 @@ struct ShapeEnergy::Parts {
   std::size_t tops = 0, bottoms = 0;
   double eta = 0;
 
-  std::vector<double> columnWeights(const Rational& rational) const {
+  void requireSameCount(const Rational& rational) const {
     if (rational.top.roots.size() != tops || rational.bottom.roots.size() != bottoms)
       throw std::invalid_argument("the rational has " + std::to_string(rational.top.roots.size()) + " and " +
                                   std::to_string(rational.bottom.roots.size()) + " roots, the energy was made for " +
                                   std::to_string(tops) + " and " + std::to_string(bottoms));
+  }
+
+  std::vector<double> columnWeights(const Rational& rational) const {
+    requireSameCount(rational);
     std::vector<double> result;
     for (const Root& root : rational.top.roots) result.push_back(rational.top.powerScale * root.power);
     for (const Root& root : rational.bottom.roots) result.push_back(-rational.bottom.powerScale * root.power);
     return result;
   }
 };
+
+namespace {
+
+std::vector<Quaternion<double>> positionsOf(const Rational& roots) {
+  std::vector<Quaternion<double>> positions;
+  for (const Polynomial* polynomial : {&roots.top, &roots.bottom})
+    for (const Root& root : polynomial->roots) positions.push_back(root.position);
+  return positions;
+}
+
+}  // namespace
 
 ShapeEnergy::ShapeEnergy(std::span<const Point> cells, std::vector<double> weights, const Rational& roots,
                          const ShapeEnergyOptions& options) {
@@ -68,10 +83,13 @@ ShapeEnergy::ShapeEnergy(std::span<const Point> cells, std::vector<double> weigh
   mParts = std::make_unique<Parts>(
       Parts{LogMatrix(cells, options.memoryLimit), {}, options, roots.top.roots.size(), roots.bottom.roots.size(), 0});
   setWeights(std::move(weights));
-  std::vector<Quaternion<double>> positions;
-  for (const Polynomial* polynomial : {&roots.top, &roots.bottom})
-    for (const Root& root : polynomial->roots) positions.push_back(root.position);
-  mParts->logs.append(positions);
+  mParts->logs.append(positionsOf(roots));
+}
+
+void ShapeEnergy::moveRoots(const Rational& roots) {
+  requireFinite(roots);
+  mParts->requireSameCount(roots);
+  mParts->logs.move(positionsOf(roots));
 }
 
 ShapeEnergy::~ShapeEnergy() = default;
@@ -97,8 +115,9 @@ void ShapeEnergy::logModuli(const Rational& rational, std::span<double> l) const
   mParts->logs.logModuli(mParts->columnWeights(rational), rational.logScale, l);
 }
 
-double ShapeEnergy::evaluate(const Rational& rational, RationalGradient* gradient) const {
+double ShapeEnergy::evaluate(const Rational& rational, RationalGradient* gradient, GradientOf of) const {
   const Parts& parts = *mParts;
+  const bool wantPlaces = gradient && of == GradientOf::PowersAndPlaces;
   const double alpha = parts.options.alpha, share = 1 / parts.eta;
   const LogMatrix::Pass pass = parts.logs.pass(
       parts.columnWeights(rational), rational.logScale,
@@ -111,23 +130,28 @@ double ShapeEnergy::evaluate(const Rational& rational, RationalGradient* gradien
         }
         return sum;
       },
-      gradient != nullptr);
+      wantPlaces ? LogMatrix::Products::LogsAndPlaces
+      : gradient ? LogMatrix::Products::Logs
+                 : LogMatrix::Products::None);
   const double penalty = parts.options.powerPenalty;
   const double powers = summedPowers(rational.top) + summedPowers(rational.bottom);
   if (gradient) {
     const auto side = [&](const Polynomial& polynomial, std::size_t first, double sign, double& byScale,
-                          std::vector<double>& byPower) {
+                          std::vector<double>& byPower, std::vector<Quaternion<double>>& byPlace) {
       byScale = 0;
       byPower.resize(polynomial.roots.size());
+      byPlace.clear();
       for (std::size_t i = 0; i < byPower.size(); ++i) {
         const double byWeight = sign * pass.products[first + i] + penalty;
         byPower[i] = polynomial.powerScale * byWeight;
         byScale += polynomial.roots[i].power * byWeight;
+        if (wantPlaces)
+          byPlace.push_back(pass.places[first + i] * (sign * polynomial.powerScale * polynomial.roots[i].power));
       }
     };
     gradient->logScale = pass.products.back();
-    side(rational.top, 0, 1, gradient->topScale, gradient->top);
-    side(rational.bottom, parts.tops, -1, gradient->bottomScale, gradient->bottom);
+    side(rational.top, 0, 1, gradient->topScale, gradient->top, gradient->topPlaces);
+    side(rational.bottom, parts.tops, -1, gradient->bottomScale, gradient->bottom, gradient->bottomPlaces);
   }
   // The rounded sum may slightly exceed the whole.
   return std::clamp(pass.sum, -1.0, 1.0) + penalty * powers;

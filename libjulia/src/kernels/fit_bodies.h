@@ -23,6 +23,22 @@ void logDistances(const Real* root, Real rest, const Real* x, const Real* y, con
   }
 }
 
+template <class Real>
+void logSlopes(const Real* root, const Real* x, const Real* y, const Real* z, Real* columns, std::size_t size) {
+  const Real rx = root[0], ry = root[1], rz = root[2], rest = root[3];
+  Real *byX = columns, *byY = byX + size, *byZ = byY + size, *byRest = byZ + size;
+  JULIA_INDEPENDENT
+  for (std::size_t i = 0; i < size; ++i) {
+    const Real dx = rx - x[i], dy = ry - y[i], dz = rz - z[i];
+    const Real square = dx * dx + dy * dy + dz * dz + rest * rest;
+    const Real over = Real(1) / (square > Ieee<Real>::kTiny ? square : Ieee<Real>::kTiny);
+    byX[i] = dx * over;
+    byY[i] = dy * over;
+    byZ[i] = dz * over;
+    byRest[i] = rest * over;
+  }
+}
+
 // Columns processed at once, so that the sums are loaded and stored less often.
 constexpr std::size_t kColumns = 4;
 

@@ -503,6 +503,7 @@ constexpr Kernels<Real> kTable = {
     .sampleTrilinear = sampleTrilinear<Real>,
     .sampleQuadratic = sampleQuadratic<Real>,
     .logDistances = logDistances<Real>,
+    .logSlopes = logSlopes<Real>,
     .addColumns = addColumns<Real>,
     .dotColumns = dotColumns<Real>,
     .tileProduct = tileProduct<Real>,

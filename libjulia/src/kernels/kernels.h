@@ -162,6 +162,9 @@ struct Kernels {
   /// are raised to at least Ieee::kTiny.
   void (*logDistances)(const Real* root, Real rest, const Real* x, const Real* y, const Real* z, Real* out,
                        std::size_t size);
+  /// The four columns of the derivatives of ln|x - root| by the coordinates of the root, @a size apart; with the same
+  /// least squared distance, which keeps them finite.
+  void (*logSlopes)(const Real* root, const Real* x, const Real* y, const Real* z, Real* columns, std::size_t size);
   /// sums += the columns times their weights, in order; columns are @a size apart, a multiple of 16.
   void (*addColumns)(const Real* columns, const double* weights, std::size_t columnCount, double* sums,
                      std::size_t size);

@@ -97,7 +97,7 @@ TEST(LogMatrix, passIsTwoProducts) {
           }
           return sum;
         },
-        true);
+        LogMatrix::Products::Logs);
     EXPECT_EQ(visits, std::vector<int>(count, 1));
     EXPECT_NEAR(pass.sum, std::accumulate(summands.begin(), summands.end(), 0.0), 1e-11);
     ASSERT_EQ(pass.products.size(), weights.size() + 1);
@@ -171,7 +171,7 @@ std::vector<std::uint64_t> bitsOfMatrix(const LogMatrix& matrix) {
         std::copy(l.begin(), l.end(), factors.begin());
         return l[0];
       },
-      true);
+      LogMatrix::Products::Logs);
   all.push_back(pass.sum);
   all.insert(all.end(), pass.products.begin(), pass.products.end());
   Eigen::MatrixXd gram;
@@ -213,6 +213,47 @@ TEST(LogMatrix, appendedAndKeptIsAsFresh) {
     std::vector<double> l(3000);
     changed.logModuli({}, 0.75, l);
     EXPECT_EQ(l, std::vector<double>(3000, 0.75));
+  }
+}
+
+TEST(LogMatrix, movedIsAsFresh) {
+  const std::vector<Point> cells = randomCells(16, 3000);
+  const auto roots = randomRoots(17, 7), places = randomRoots(18, 7);
+  for (const std::size_t memoryLimit : {std::size_t{0}, kUnlimited}) {
+    LogMatrix fresh(cells, memoryLimit), moved(cells, memoryLimit);
+    fresh.append(places);
+    moved.append(roots);
+    moved.move(places);
+    EXPECT_EQ(moved.roots(), places);
+    EXPECT_EQ(bitsOfMatrix(moved), bitsOfMatrix(fresh)) << memoryLimit;
+  }
+}
+
+TEST(LogMatrix, placesAreTheSlopesOfItsProducts) {
+  const std::vector<Point> cells = randomCells(19, 2100);
+  const auto roots = randomRoots(20, 6);
+  Random random(21);
+  std::vector<double> factors(cells.size());
+  for (double& factor : factors) factor = random.between(-1, 1);
+  LogMatrix matrix(cells, kUnlimited);
+  matrix.append(roots);
+  const LogMatrix::Pass pass = matrix.pass(
+      std::vector<double>(roots.size()), 0,
+      [&](std::size_t begin, std::span<const double> l, std::span<double> out) {
+        std::copy_n(factors.begin() + static_cast<std::ptrdiff_t>(begin), l.size(), out.begin());
+        return 0.0;
+      },
+      LogMatrix::Products::LogsAndPlaces);
+  ASSERT_EQ(pass.places.size(), roots.size());
+  for (std::size_t j = 0; j < roots.size(); ++j) {
+    Quaternion<double> expected;
+    double magnitude = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const Quaternion<double> d = roots[j] - Quaternion<double>{cells[i][0], cells[i][1], cells[i][2], 0};
+      expected = expected + d * (factors[i] / normSquared(d));
+      magnitude += std::abs(factors[i]) / std::sqrt(normSquared(d));
+    }
+    EXPECT_LT(std::sqrt(normSquared(pass.places[j] - expected)), 4 * law_tests::kEpsilon<float> * magnitude) << j;
   }
 }
 

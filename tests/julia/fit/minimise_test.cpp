@@ -230,6 +230,96 @@ TEST(Minimise, exceptionsOfTheCallerPass) {
   EXPECT_THROW(minimise(energy, rational, FitVariables::Full, options), std::length_error);
 }
 
+/// A ball about a centre, by one root of power 3 that is somewhere else, with C for the radius.
+struct OneRoot {
+  static constexpr int n = 24;
+  Point centre;
+  double radius;
+  Rational rational;
+  ShapeEnergy energy;
+
+  OneRoot(const Point& centre, double radius, const julia::Quaternion<double>& root)
+      : centre(centre), radius(radius), rational{-3 * std::log(radius), {{{root, 3}}, 1}, {}}, energy([&] {
+          std::vector<FitCell> cells = cellsAboutBall(n, 0);
+          for (FitCell& cell : cells)
+            cell.phi = static_cast<float>(
+                std::hypot(cell.x[0] - centre[0], cell.x[1] - centre[1], cell.x[2] - centre[2]) - radius);
+          return ShapeEnergy(placesOf(cells), cellWeights(cells, julia::CellWeights::InverseDistance, 2.0 / n),
+                             rational, {});
+        }()) {}
+};
+
+TEST(MoveRoots, aRootMovesToTheMiddle) {
+  for (const Point& centre : {Point{0.1, -0.05, 0.2}, Point{-0.25, 0.1, 0}}) {
+    OneRoot scene(centre, 0.5, {0, 0, 0, 0});
+    const double before = scene.energy.evaluate(scene.rational, nullptr);
+    const std::vector<double> reach{0.5};
+    const double energy = julia::moveRoots(scene.energy, scene.rational, reach, {});
+    const julia::Root& root = scene.rational.top.roots[0];
+    // The cells know the centre to a part of their width.
+    const double part = 0.25 * 2 / OneRoot::n;
+    EXPECT_NEAR(root.position.a, centre[0], part);
+    EXPECT_NEAR(root.position.b, centre[1], part);
+    EXPECT_NEAR(root.position.c, centre[2], part);
+    EXPECT_EQ(root.position.d, 0);
+    EXPECT_EQ(root.power, 3);
+    EXPECT_EQ(scene.rational.logScale, -3 * std::log(0.5));
+    EXPECT_LT(energy, before);
+    // The energy's roots are those of the rational.
+    EXPECT_EQ(scene.energy.evaluate(scene.rational, nullptr), energy);
+  }
+}
+
+TEST(MoveRoots, reachIsTheFarthest) {
+  const julia::Quaternion<double> start{0.1, -0.2, 0, 0.05};
+  for (const double reach : {0., 0.03}) {
+    OneRoot scene({0.3, -0.2, 0}, 0.5, start);
+    julia::moveRoots(scene.energy, scene.rational, std::vector<double>{reach}, {});
+    const julia::Quaternion<double>& found = scene.rational.top.roots[0].position;
+    EXPECT_NEAR(found.a, start.a + reach, 1e-12);
+    EXPECT_LE(std::abs(found.b - start.b), reach + 1e-12);
+    EXPECT_LE(std::abs(found.c - start.c), reach + 1e-12);
+    EXPECT_EQ(found.d, start.d) << "it left its slice";
+  }
+}
+
+TEST(MoveRoots, energiesFallForManyRoots) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Rational rational = randomRational(seed, 4, 5);
+    const Rational start = rational;
+    ShapeEnergy energy = ballEnergy(12, 0.6, rational);
+    double last = energy.evaluate(rational, nullptr);
+    MinimiseOptions options;
+    options.maxIterations = 20;
+    options.onStep = [&](double value, const Rational& now) {
+      EXPECT_LT(value, last) << text(now);
+      last = value;
+    };
+    const double value = julia::moveRoots(energy, rational, std::vector<double>(9, 0.1), options);
+    EXPECT_EQ(value, last);
+    EXPECT_NE(rational, start);
+    for (const auto side : {&Rational::top, &Rational::bottom})
+      for (std::size_t j = 0; j < (start.*side).roots.size(); ++j)
+        EXPECT_EQ((rational.*side).roots[j].power, (start.*side).roots[j].power);
+    EXPECT_EQ(rational.logScale, start.logScale);
+  }
+}
+
+TEST(MoveRoots, refusesNonsense) {
+  Rational rational = randomRational(9, 3, 3);
+  ShapeEnergy energy = ballEnergy(8, 0.6, rational);
+  const auto refused = [&](const std::vector<double>& reach) {
+    EXPECT_THROW(julia::moveRoots(energy, rational, reach, {}), std::invalid_argument);
+  };
+  refused(std::vector<double>(5, 0.1));
+  refused({0.1, 0.1, 0.1, 0.1, 0.1, -1e-9});
+  refused({0.1, 0.1, 0.1, 0.1, std::nan(""), 0.1});
+  refused({0.1, 0.1, 0.1, 0.1, 0.1, std::numeric_limits<double>::infinity()});
+  MinimiseOptions options;
+  options.cancelled = [] { return true; };
+  EXPECT_THROW(julia::moveRoots(energy, rational, std::vector<double>(6, 0.1), options), julia::Cancelled);
+}
+
 // Powers below 0 are taken as 0: the other side of the rational is not theirs.
 TEST(Minimise, negativePowersBecomeZero) {
   Rational rational = randomRational(11, 3, 3);

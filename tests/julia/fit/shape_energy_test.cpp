@@ -130,6 +130,14 @@ struct WideRational {
   explicit WideRational(const Rational& rational)
       : logScale(rational.logScale), top(rational.top), bottom(rational.bottom) {}
 
+  /// The three coordinates of the t_i and of the b_i in their slice, and the one off it.
+  std::vector<Wide*> coordinates() {
+    std::vector<Wide*> all;
+    for (WideSide* side : {&top, &bottom})
+      for (Quaternion<Wide>& root : side->roots) all.insert(all.end(), {&root.a, &root.b, &root.c, &root.d});
+    return all;
+  }
+
   /// C, tau, beta, the T_i, the B_i.
   std::vector<Wide*> variables() {
     std::vector<Wide*> all{&logScale, &top.scale, &bottom.scale};
@@ -173,10 +181,12 @@ Wide directEnergy(const Scene& scene, const WideRational& rational) {
 ///   the sum of them. Half of that is left in the logarithm, whose own error is 2 eps of it. So
 ///   e = eps (2 + 2 |ln d|), times a power tau T of the L that it is part of.
 ///   psi moves with L by alpha |W| / eta at most. Its slope by a variable is f dL/dv with f = alpha W / eta sech^2,
-///   which moves by at most 0.77 alpha^2 |W| / eta with L.
+///   which moves by at most 0.77 alpha^2 |W| / eta with L. dL/dt is tau T times a difference over a square, 4 eps of
+///   at most tau T / d together.
 struct LogErrors {
   double energy = kDoubles;
   std::vector<double> gradient;  // in the order of WideRational::variables()
+  std::vector<double> places;    // of each root, for each of its coordinates
 };
 
 LogErrors logErrors(const Scene& scene) {
@@ -185,11 +195,13 @@ LogErrors logErrors(const Scene& scene) {
   const std::size_t tops = rational.top.roots.size(), bottoms = rational.bottom.roots.size();
   LogErrors errors;
   errors.gradient.assign(3 + tops + bottoms, kDoubles);
+  errors.places.assign(tops + bottoms, kDoubles);
   const double eta = static_cast<double>(sumOfMagnitudes(scene.weights)), alpha = scene.options.alpha;
   for (std::size_t i = 0; i < scene.cells.size(); ++i) {
     // |dL/dv|, and how wrong it is.
     std::vector<double> slope(errors.gradient.size()), wrong(errors.gradient.size());
     slope[0] = 1;
+    std::vector<double> steepness;  // tau T / d
     double ofL = 0;
     std::size_t at = 3, scaleAt = 1;
     for (const Polynomial* polynomial : {&rational.top, &rational.bottom}) {
@@ -202,6 +214,7 @@ LogErrors logErrors(const Scene& scene) {
         slope[scaleAt] += std::abs(root.power) * l;
         wrong[scaleAt] += std::abs(root.power) * e;
         ofL += scale * std::abs(root.power) * e;
+        steepness.push_back(scale * std::abs(root.power) / static_cast<double>(distance));
         ++at;
       }
       ++scaleAt;
@@ -210,6 +223,8 @@ LogErrors logErrors(const Scene& scene) {
     errors.energy += share * ofL;
     for (std::size_t k = 0; k < slope.size(); ++k)
       errors.gradient[k] += share * (wrong[k] + 0.77 * alpha * ofL * slope[k]);
+    for (std::size_t j = 0; j < steepness.size(); ++j)
+      errors.places[j] += share * steepness[j] * (4 * eps + 0.77 * alpha * ofL);
   }
   return errors;
 }
@@ -258,6 +273,59 @@ TEST(ShapeEnergy, gradientIsThatOfDifferences) {
             << "variable " << k << ": " << text(scene.rational);
       }
     }
+}
+
+std::vector<double> flattenedPlaces(const RationalGradient& gradient) {
+  std::vector<double> all;
+  for (const auto* places : {&gradient.topPlaces, &gradient.bottomPlaces})
+    for (const Quaternion<double>& by : *places) all.insert(all.end(), {by.a, by.b, by.c, by.d});
+  return all;
+}
+
+TEST(ShapeEnergy, gradientByPlacesIsThatOfDifferences) {
+  const Wide h = Wide(1e-9);
+  std::size_t tried = 0;
+  for (const Scene& scene : gradientScenes()) {
+    RationalGradient gradient, powersOnly;
+    const ShapeEnergy energy = energyOf(scene);
+    const double value = energy.evaluate(scene.rational, &gradient, julia::GradientOf::PowersAndPlaces);
+    EXPECT_EQ(energy.evaluate(scene.rational, &powersOnly), value);
+    EXPECT_EQ(flattened(gradient), flattened(powersOnly));
+    EXPECT_TRUE(flattenedPlaces(powersOnly).empty());
+    const std::vector<double> found = flattenedPlaces(gradient);
+    const LogErrors allowed = logErrors(scene);
+    WideRational rational(scene.rational);
+    const std::vector<Wide*> coordinates = rational.coordinates();
+    ASSERT_EQ(found.size(), coordinates.size());
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const Wide at = *coordinates[k];
+      *coordinates[k] = at + h;
+      const Wide above = directEnergy(scene, rational);
+      *coordinates[k] = at - h;
+      const Wide below = directEnergy(scene, rational);
+      *coordinates[k] = at;
+      EXPECT_NEAR(found[k], static_cast<double>(Wide(above - below) / (2 * h)), allowed.places[k / 4])
+          << "coordinate " << k << ": " << text(scene.rational);
+      tried += found[k] != 0;
+    }
+  }
+  EXPECT_GT(tried, 50U);
+}
+
+TEST(ShapeEnergy, movedRootsAreAsAnotherEnergy) {
+  const Scene scene = randomScene(26, 700, 5, 4, true);
+  for (const std::size_t memoryLimit : {std::size_t{0}, std::size_t{1} << 30}) {
+    Scene moved = scene;
+    moved.options.memoryLimit = memoryLimit;
+    ShapeEnergy energy = energyOf(moved);
+    moved.rational.top.roots = randomScene(27, 1, 5, 4, true).rational.top.roots;
+    energy.moveRoots(moved.rational);
+    RationalGradient found, expected;
+    EXPECT_EQ(energy.evaluate(moved.rational, &found, julia::GradientOf::PowersAndPlaces),
+              energyOf(moved).evaluate(moved.rational, &expected, julia::GradientOf::PowersAndPlaces));
+    EXPECT_EQ(flattened(found), flattened(expected));
+    EXPECT_EQ(flattenedPlaces(found), flattenedPlaces(expected));
+  }
 }
 
 /// ln|q| + n t of q = |q| (cos t + n sin t).
@@ -389,9 +457,10 @@ std::vector<std::uint64_t> bitsOf(const std::vector<double>& values) {
 std::vector<std::uint64_t> bitsOfEnergy(const Scene& scene) {
   const ShapeEnergy energy = energyOf(scene);
   RationalGradient gradient;
-  std::vector<double> all{energy.evaluate(scene.rational, &gradient), energy.evaluate(scene.rational, nullptr)};
-  const std::vector<double> slopes = flattened(gradient);
-  all.insert(all.end(), slopes.begin(), slopes.end());
+  std::vector<double> all{energy.evaluate(scene.rational, &gradient, julia::GradientOf::PowersAndPlaces),
+                          energy.evaluate(scene.rational, nullptr)};
+  for (const std::vector<double>& slopes : {flattened(gradient), flattenedPlaces(gradient)})
+    all.insert(all.end(), slopes.begin(), slopes.end());
   std::vector<double> l(scene.cells.size());
   energy.logModuli(scene.rational, l);
   all.insert(all.end(), l.begin(), l.end());
@@ -539,6 +608,11 @@ TEST(ShapeEnergy, refusesNonsense) {
   std::vector<double> l(17);
   expectRefused([&] { energy.evaluate(other, nullptr); }, "3 and 2 roots");
   expectRefused([&] { energy.logModuli(other, l); }, "3 and 2 roots");
+  ShapeEnergy moving = energyOf(scene);
+  expectRefused([&] { moving.moveRoots(other); }, "3 and 2 roots");
+  other = scene.rational;
+  other.top.roots[0].position.b = kNan;
+  expectRefused([&] { moving.moveRoots(other); }, "nan");
 }
 
 std::vector<FitCell> cellsAt(const std::vector<float>& distances) {

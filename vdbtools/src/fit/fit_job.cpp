@@ -128,6 +128,7 @@ Rational runFast(const FitTarget& target, const std::vector<FitCell>& cells, con
   fast.cellSize = target.cell;
   fast.weights = options.weights;
   fast.powerPenalty = options.powerPenalty;
+  fast.moveRoots = options.moveRoots;
   fast.seed = options.seed;
   if (options.start == FitStart::Monopoles)
     for (const julia::Monopole& monopole :
@@ -237,6 +238,12 @@ OptionTable fitOptionTable() {
        .defaultValue = "blue-noise",
        .help = "method fast: where the first roots are placed",
        .idle = idleOfFast},
+      {.name = "places",
+       .argument = "move|keep",
+       .defaultValue = "move",
+       .help = "method fast: whether the roots move to better places while the energy is lowered, or stay where they "
+               "were put",
+       .idle = idleOfFast},
       {.name = "epsilon",
        .argument = "E",
        .defaultValue = "0.04",
@@ -297,6 +304,7 @@ FitOptions parseFitOptions(const Recipe& recipe) {
   if (method == FitMethod::Kim15) options.schedule = julia::parseSchedule(reader.text("schedule"));
   options.start =
       reader.choice<FitStart>("start", {{"blue-noise", FitStart::BlueNoise}, {"monopoles", FitStart::Monopoles}});
+  options.moveRoots = reader.choice<bool>("places", {{"move", true}, {"keep", false}});
   options.epsilon = reader.number("epsilon");
   if (!(options.epsilon > 0 && options.epsilon < 1)) reader.refuse("epsilon", "above 0 and below 1");
   options.weights = reader.choice<julia::CellWeights>(

@@ -3,7 +3,8 @@
 /// The fit that the log-polar form makes possible (docs/design.md 2.6). With the roots fixed, L is linear in the
 /// powers, so a weighted logistic loss of its sign is convex. Newton's method, in which each step is a quadratic
 /// program over powers >= 0, finds the minimum in a few passes. A greedy method adds the roots whose power would lower
-/// the loss the most, and removes roots whose power falls to 0. The energy psi of [Kim15] then sharpens the result.
+/// the loss the most, and removes roots whose power falls to 0. The energy psi of [Kim15] then sharpens the result,
+/// by the powers and the positions of the roots in turn.
 ///
 /// A root inside the target is a top root and one outside it a bottom root, so that no root creates a bubble of its own
 /// on the other side. The first top root lies at the origin, which should be inside the target, and has a power of 2 or
@@ -43,6 +44,7 @@ struct FastFitOptions {
   double cellSize = 0;         ///< edge of the smallest cell, units of the map's space, > 0
   CellWeights weights = CellWeights::InverseDistance;
   double powerPenalty = 0;                         ///< see ShapeEnergyOptions
+  bool moveRoots = true;                           ///< whether the roots move while the energy is lowered
   std::size_t memoryLimit = std::size_t{2} << 30;  ///< bytes for stored logarithms
   std::uint64_t seed = 1;                          ///< decides which cells are held out
   std::vector<Point> start;                        ///< initial roots, such as monopoles; the greedy choice adds to them

@@ -46,6 +46,13 @@ std::vector<double> cellWeights(std::span<const FitCell> cells, CellWeights kind
 struct RationalGradient {
   double logScale = 0, topScale = 0, bottomScale = 0;  ///< derivatives with respect to C, tau and beta
   std::vector<double> top, bottom;                     ///< derivatives with respect to the T_i and the B_i
+  /// Derivatives with respect to the coordinates of the t_i and the b_i. Empty unless they are asked for.
+  std::vector<Quaternion<double>> topPlaces, bottomPlaces;
+};
+
+enum class GradientOf {
+  Powers,           ///< C, tau, beta and the powers
+  PowersAndPlaces,  ///< the positions of the roots as well, which takes several times as long
 };
 
 struct ShapeEnergyOptions {
@@ -58,7 +65,7 @@ class ShapeEnergy {
  public:
   /// @param cells    where the energy is summed, units of the map's space
   /// @param weights  W of every cell
-  /// @param roots    gives the positions of the roots; its powers are ignored
+  /// @param roots    gives the positions of the roots, which only moveRoots() changes; its powers are ignored
   /// @param options  see ShapeEnergyOptions
   /// @throw std::invalid_argument  no cells, different sizes, numbers that are not finite, weights that are all 0, or
   ///                               options out of their domain
@@ -67,10 +74,14 @@ class ShapeEnergy {
   ~ShapeEnergy();
 
   /// The sum of psi and the penalty.
-  /// @param rational  powers and scales; its roots must be those given to the constructor
+  /// @param rational  powers and scales; its roots must be those of the energy
   /// @param gradient  filled if not null
+  /// @param of        which derivatives
   /// @throw std::invalid_argument  another number of roots
-  double evaluate(const Rational& rational, RationalGradient* gradient) const;
+  double evaluate(const Rational& rational, RationalGradient* gradient, GradientOf of = GradientOf::Powers) const;
+
+  /// Moves the roots of the energy. @throw std::invalid_argument  another number of roots, or one that is not finite
+  void moveRoots(const Rational& roots);
 
   /// L of every cell.
   void logModuli(const Rational& rational, std::span<double> l) const;

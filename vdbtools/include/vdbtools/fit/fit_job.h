@@ -42,6 +42,7 @@ struct FitOptions {
   /// The passes of [Kim15]; if empty, the fast fit is used.
   std::vector<julia::FitPass> schedule;
   FitStart start = FitStart::BlueNoise;  ///< for the fast fit
+  bool moveRoots = true;                 ///< whether the fast fit moves the roots
   double epsilon = 0.04;                 ///< relative residual of the monopoles
   julia::CellWeights weights = julia::CellWeights::InverseDistance;
   double powerPenalty = 0;  ///< see julia::ShapeEnergyOptions
