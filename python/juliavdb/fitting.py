@@ -59,8 +59,9 @@ class Rational(collections.namedtuple("Rational", "log_scale top top_scale botto
         pathlib.Path(path).write_text(_juliavdb.rational_json(tuple(self)), encoding="utf-8")
 
 
-Gradient = collections.namedtuple("Gradient", "log_scale top top_scale bottom bottom_scale")
-Gradient.__doc__ = """The derivatives of an energy by C, by each power of the top, by tau, by each power of the bottom, by beta."""
+Gradient = collections.namedtuple("Gradient", "log_scale top top_scale bottom bottom_scale top_places bottom_places")
+Gradient.__doc__ = """The derivatives of an energy by C, by each power of the top, by tau, by each power of the bottom, by beta,
+and by the four coordinates of each root of the top and of the bottom: arrays (n, 4)."""
 
 
 def blue_noise(vertices, faces, count, *, seed=1):
@@ -92,7 +93,7 @@ def weights(points, phi, cell_size, *, kind="inverse-distance"):
 
 class Energy:
     """psi, the mean of -tanh(alpha L) over cells by their weights: -1 where the signs of L = ln |f| and of the weights are the
-    same everywhere. It is for the roots of one Rational, whose powers and scales may change."""
+    same everywhere. It is for the roots of one Rational, whose powers and scales may change, and which move_roots() moves."""
 
     def __init__(self, points, weights, rational, *, alpha=1.0, penalty=0.0):
         """points (n, 3), weights (n,). penalty times the summed powers is added to psi."""
@@ -100,7 +101,7 @@ class Energy:
 
     def __call__(self, rational):
         """The energy."""
-        return self._energy.at(tuple(rational))[0]
+        return self._energy.value(tuple(rational))
 
     def gradient(self, rational):
         """The energy, and its Gradient."""
@@ -117,4 +118,10 @@ class Energy:
         if variables not in ("full", "coarse"):
             raise ValueError(f"variables is {variables!r}; it must be full or coarse")
         found, value, values = self._energy.minimise(tuple(start), variables == "full", iterations, tolerance, progress)
+        return Rational(*found), value, values
+
+    def move_roots(self, start, reach, *, iterations=500, tolerance=1e-6, progress=None):
+        """Lowers the energy by the positions of the roots, each of whose first three coordinates may move by reach: (Rational,
+        its energy, the energies on the way). From then on the energy is for these roots."""
+        found, value, values = self._energy.move_roots(tuple(start), reach, iterations, tolerance, progress)
         return Rational(*found), value, values

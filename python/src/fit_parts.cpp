@@ -214,19 +214,28 @@ std::unique_ptr<julia::ShapeEnergy> energyOf(const py::object& points, const py:
                                               julia::ShapeEnergyOptions{.alpha = alpha, .powerPenalty = penalty});
 }
 
-/// (value, by C, by the top's powers, by tau, by the bottom's powers, by beta)
+py::array_t<double> rowsOf(const std::vector<julia::Quaternion<double>>& quaternions) {
+  py::array_t<double> array({static_cast<py::ssize_t>(quaternions.size()), py::ssize_t{4}});
+  double* to = array.mutable_data();
+  for (const julia::Quaternion<double>& q : quaternions)
+    for (const double number : {q.a, q.b, q.c, q.d}) *to++ = number;
+  return array;
+}
+
+/// (value, by C, by the top's powers, by tau, by the bottom's powers, by beta, by the top's places, by the bottom's)
 py::tuple energyAt(const julia::ShapeEnergy& energy, const RationalParts& parts) {
   const Rational rational = rationalOf(parts);
   julia::RationalGradient gradient;
   double value = 0;
   {
     const py::gil_scoped_release free;
-    value = energy.evaluate(rational, &gradient);
+    value = energy.evaluate(rational, &gradient, julia::GradientOf::PowersAndPlaces);
   }
   const auto top = static_cast<py::ssize_t>(gradient.top.size()),
              bottom = static_cast<py::ssize_t>(gradient.bottom.size());
   return py::make_tuple(value, gradient.logScale, arrayTaking(std::move(gradient.top), {top}), gradient.topScale,
-                        arrayTaking(std::move(gradient.bottom), {bottom}), gradient.bottomScale);
+                        arrayTaking(std::move(gradient.bottom), {bottom}), gradient.bottomScale,
+                        rowsOf(gradient.topPlaces), rowsOf(gradient.bottomPlaces));
 }
 
 py::array_t<double> logModuliOf(const julia::ShapeEnergy& energy, const RationalParts& parts) {
@@ -238,24 +247,41 @@ py::array_t<double> logModuliOf(const julia::ShapeEnergy& energy, const Rational
   return result;
 }
 
-/// (rational, value, the values on the way)
-py::tuple minimumOf(const julia::ShapeEnergy& energy, const RationalParts& start, bool full, int iterations,
-                    double tolerance, const py::object& progress) {
-  Rational rational = rationalOf(start);
+/// Runs an optimiser of the energy. @param lower  receives its options and returns the value
+/// @return (rational, value, the values on the way)
+template <class Lower>
+py::tuple lowestOf(Rational& rational, int iterations, double tolerance, const py::object& progress,
+                   const Lower& lower) {
   std::vector<double> values;
   double value = 0;
   doWatched(progress, std::nullopt, [&](Monitor& monitor) {
     monitor.begin({vdbtools::PhaseKind::Fit, "energy"}, 0);
     stoppable(monitor, [&](const auto& cancelled) {
-      value = julia::minimise(energy, rational, full ? julia::FitVariables::Full : julia::FitVariables::Coarse,
-                              {.maxIterations = iterations,
-                               .tolerance = tolerance,
-                               .onStep = [&](double now, const Rational&) { values.push_back(now); },
-                               .cancelled = cancelled});
+      value = lower({.maxIterations = iterations,
+                     .tolerance = tolerance,
+                     .onStep = [&](double now, const Rational&) { values.push_back(now); },
+                     .cancelled = cancelled});
     });
   });
   const auto count = static_cast<py::ssize_t>(values.size());
   return py::make_tuple(partsOf(rational), value, arrayTaking(std::move(values), {count}));
+}
+
+py::tuple minimumOf(const julia::ShapeEnergy& energy, const RationalParts& start, bool full, int iterations,
+                    double tolerance, const py::object& progress) {
+  Rational rational = rationalOf(start);
+  return lowestOf(rational, iterations, tolerance, progress, [&](const julia::MinimiseOptions& options) {
+    return julia::minimise(energy, rational, full ? julia::FitVariables::Full : julia::FitVariables::Coarse, options);
+  });
+}
+
+py::tuple movedRoots(julia::ShapeEnergy& energy, const RationalParts& start, double reach, int iterations,
+                     double tolerance, const py::object& progress) {
+  Rational rational = rationalOf(start);
+  const std::vector<double> reaches(rational.top.roots.size() + rational.bottom.roots.size(), reach);
+  return lowestOf(rational, iterations, tolerance, progress, [&](const julia::MinimiseOptions& options) {
+    return julia::moveRoots(energy, rational, reaches, options);
+  });
 }
 
 /// L and the versor of f at points. @return (l, (..., 4))
@@ -293,7 +319,14 @@ void addFitParts(py::module_& module) {
   module.def("rational_read", [](const std::string& path) { return partsOf(vdbtools::readRational(path)); });
   py::class_<julia::ShapeEnergy>(module, "Energy")
       .def(py::init(&energyOf))
+      .def("value",
+           [](const julia::ShapeEnergy& energy, const RationalParts& parts) {
+             const Rational rational = rationalOf(parts);
+             const py::gil_scoped_release free;
+             return energy.evaluate(rational, nullptr);
+           })
       .def("at", energyAt)
       .def("log_moduli", logModuliOf)
-      .def("minimise", minimumOf);
+      .def("minimise", minimumOf)
+      .def("move_roots", movedRoots);
 }

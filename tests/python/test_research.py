@@ -350,6 +350,37 @@ class Fitting(unittest.TestCase):
             self.assertAlmostEqual(gradient.bottom[i],
                                    slope(lambda s: self.rational._replace(bottom=power(self.rational.bottom, i, s))), **near)
 
+    def test_the_gradient_by_places_by_hand(self):
+        weights = fitting.weights(self.cells, self.phi, 0.02)
+        _, gradient = fitting.Energy(self.cells, weights, self.rational, alpha=0.8).gradient(self.rational)
+
+        def psi(rational):
+            l = self.by_hand(rational)
+            return -(np.tanh(0.8 * l) * weights).sum() / np.abs(weights).sum()
+
+        for side, found in (("top", gradient.top_places), ("bottom", gradient.bottom_places)):
+            self.assertEqual(found.shape, (len(getattr(self.rational, side)), 4))
+            for i, axis in np.ndindex(found.shape):
+                step = np.zeros_like(getattr(self.rational, side))
+                step[i, axis] = 1e-5
+                moved = [psi(self.rational._replace(**{side: getattr(self.rational, side) + sign * step})) for sign in (1, -1)]
+                self.assertAlmostEqual(found[i, axis], (moved[0] - moved[1]) / 2e-5, delta=1e-5)
+
+    def test_roots_move_to_where_the_energy_is_lower(self):
+        weights = fitting.weights(self.cells, self.phi, 0.02)
+        energy = fitting.Energy(self.cells, weights, self.rational)
+        before = energy(self.rational)
+        moved, value, values = energy.move_roots(self.rational, 0.05, iterations=40)
+        self.assertLess(value, before)
+        self.assertEqual(values[-1], value)
+        self.assertEqual(energy(moved), value)
+        self.assertEqual(fitting.Energy(self.cells, weights, moved)(moved), value)
+        for side in ("top", "bottom"):
+            change = np.abs(getattr(moved, side) - getattr(self.rational, side))
+            self.assertTrue((change[:, :3] <= 0.05 + 1e-12).all() and (change[:, 3:] == 0).all())
+        with self.assertRaisesRegex(ValueError, "reach"):
+            energy.move_roots(self.rational, -1)
+
     def test_a_minimum_is_lower_and_nowhere_negative(self):
         energy = fitting.Energy(self.cells, fitting.weights(self.cells, self.phi, 0.02), self.rational)
         for variables in ("coarse", "full"):
