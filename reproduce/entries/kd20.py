@@ -14,7 +14,7 @@ SHAPES = {"bunny": (178, 153, 251.998, 89.3455), "frog": (194, 170, 59.9387, 33.
 def fit(size, file="bunny.json", alpha=40, shape="bunny"):
     """As rough as `--alpha 40` is: without it the fit is far smoother. It has as many roots as the paper's."""
     roots = sum(SHAPES[shape][:2])
-    return (f"juliavdb fit {use(shape)} -o {file} --iterations 1 --roots {size.pick(16, roots, roots)} "
+    return (f"juliavdb fit {use(shape)} -o {file} --iterations 1 --places keep --roots {size.pick(16, roots, roots)} "
             f"--resolution {size.pick(25, 97, 97)}" + (f" --alpha {alpha}" if alpha else ""))
 
 

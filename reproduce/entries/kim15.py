@@ -32,7 +32,7 @@ def table_1_steps(size):
         # The passes on 50^3 and more take most of the time.
         schedule = size.pick("15(V)", "25(VFR)", SCHEDULES[shape])
         common = f"juliavdb fit {use(shape)} --resolution {size.pick('25', '49 --triangles 2000', '97')}"
-        steps += [Step(f"{shape}, fast", f"{common} -o fast.json --iterations 1 --roots {roots}"),
+        steps += [Step(f"{shape}, fast", f"{common} -o fast.json --iterations 1 --places keep --roots {roots}"),
                   Step(f"{shape}, kim15", f"{common} -o kim15.json --roots {roots} --method kim15 --weights layers --schedule \"{schedule}\"")]
     return steps
 
@@ -62,7 +62,7 @@ def table_1(outputs, size):
 
 def psi_steps(size):
     n = size.pick(25, 97, 97)
-    return [Step("fit", f"juliavdb fit $tooth -o tooth.json --iterations 1 --roots {size.pick(16, 108, 108)} --resolution {n}"),
+    return [Step("fit", f"juliavdb fit $tooth -o tooth.json --iterations 1 --places keep --roots {size.pick(16, 108, 108)} --resolution {n}"),
             Step("distances", f"juliavdb sdf $tooth -o distance.vdb --resolution {size.pick(40, 160, 160)} --band {size.pick(40, 160, 160)}"),
             Step("psi again", f"reproduce/tools/psi tooth.json distance.vdb --resolution {n} --weights fig-7.png")]
 
@@ -153,7 +153,7 @@ def transforms(size):
 
 
 def transform_steps(size):
-    fits = [Step(f"the fit of the {shape}", f"juliavdb fit {use(shape)} -o {shape}.json --iterations 1 --roots {size.pick(40, roots, roots)} "
+    fits = [Step(f"the fit of the {shape}", f"juliavdb fit {use(shape)} -o {shape}.json --iterations 1 --places keep --roots {size.pick(40, roots, roots)} "
                                             f"--resolution {size.pick(25, 49, 97)} --alpha 40")
             for shape, roots in (("tooth", 108), ("frog", 364))]
     return fits + [Step(name, f"juliavdb fractal --map rational --rational {shape}.json --iterations 4 {options} "

@@ -11,7 +11,7 @@ from .parts import gallery, hours
 # ------------------------------------------------------------------------------------------------ Table 1
 
 def table_1_steps(size):
-    return [Step("rational map", f"juliavdb fit $bunny -o map.json --iterations 1 --roots {size.pick(12, 331, 331)} --resolution {size.pick(25, 97, 97)}"),
+    return [Step("rational map", f"juliavdb fit $bunny -o map.json --iterations 1 --places keep --roots {size.pick(12, 331, 331)} --resolution {size.pick(25, 97, 97)}"),
             Step("shape modulus", f"juliavdb fractal $bunny --alpha 40 --texture-roots 10 --texture-integer "
                                   f"--resolution {size.pick(40, 300, 300)} --mesh bunny.ply")]
 
