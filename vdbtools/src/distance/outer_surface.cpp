@@ -313,6 +313,18 @@ class Union {
     if (count == 2) segments.push_back({found[0], found[1]});
   }
 
+  /// Whether a segment of another triangle lies at a corner that both triangles have. Where they meet in one point
+  /// alone, the outside does not end.
+  static bool isAtSharedCorner(const Segment& segment, const Vec3I& own, const Vec3I& other, const Polygon& polygon) {
+    constexpr double kAt = 4 * kTouch;
+    for (int c = 0; c < 3; ++c) {
+      if (own[c] != other[0] && own[c] != other[1] && own[c] != other[2]) continue;
+      const Vec2d& corner = polygon[static_cast<std::size_t>(c)];
+      if ((segment.from - corner).length() <= kAt && (segment.to - corner).length() <= kAt) return true;
+    }
+    return false;
+  }
+
   void cutTriangle(std::uint32_t t) {
     const Vec3I& own = mTriangles[t];
     const Vec3d &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
@@ -333,16 +345,19 @@ class Union {
     std::sort(others.begin(), others.end());
     const Polygon polygon = {plane.flat(a), plane.flat(b), plane.flat(c)};
     std::vector<Segment> segments;
+    bool touched = false, crossed = false;
     for (const std::uint32_t other : others) {
       const Vec3I& corners = mTriangles[other];
       // Neighbours across an edge meet there and nowhere else.
       const std::uint32_t* const partners = &mParts.partner[3 * std::size_t{t}];
-      if (std::find(partners, partners + 3, other) == partners + 3) addSegments(plane, own, corners, segments);
-    }
-    bool touched = false, crossed = false;
-    for (const Segment& segment : segments) {
-      touched |= isLong(clipped(segment, polygon, -kTouch));
-      crossed |= isLong(clipped(segment, polygon, kTouch));
+      if (std::find(partners, partners + 3, other) != partners + 3) continue;
+      const std::size_t first = segments.size();
+      addSegments(plane, own, corners, segments);
+      for (std::size_t k = first; k < segments.size(); ++k) {
+        const Segment along = clipped(segments[k], polygon, -kTouch);
+        touched |= isLong(along) && !isAtSharedCorner(along, own, corners, polygon);
+        crossed |= isLong(clipped(segments[k], polygon, kTouch));
+      }
     }
     if (!touched && !crossed) return;
     mFate[t] = Fate::Touched;
