@@ -11,6 +11,7 @@
 #include "distance/triangle_boxes.h"
 #include "mesh/position_table.h"
 
+#include <tbb/concurrent_unordered_map.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -18,6 +19,8 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <span>
 #include <utility>
 
 namespace vdbtools {
@@ -247,7 +250,6 @@ class Union {
         mMonitor(monitor),
         mBoxes(points, mTriangles),
         mFate(mTriangles.size(), Fate::Whole),
-        mPieces(mTriangles.size()),
         mBuries(mParts.closure.size()) {}
 
   void find() {
@@ -269,7 +271,7 @@ class Union {
       if (mFate[t] == Fate::Kept) result.triangles.push_back(triangles[t]);
       if (mFate[t] != Fate::Cut) continue;
       const Plane plane = planeOf(static_cast<std::uint32_t>(t));
-      for (const Polygon& piece : mPieces[t]) {
+      for (const Polygon& piece : mPieces.at(static_cast<std::uint32_t>(t))) {
         const auto first = static_cast<std::uint32_t>(result.points.size());
         for (const Vec2d& p : piece) result.points.push_back(plane.space(p));
         for (std::uint32_t k = 1; k + 1 < piece.size(); ++k)
@@ -371,7 +373,7 @@ class Union {
         kept.push_back(std::move(piece));
     }
     mFate[t] = kept.size() == pieces.size() ? Fate::Kept : kept.empty() ? Fate::Buried : Fate::Cut;
-    if (mFate[t] == Fate::Cut) mPieces[t] = std::move(kept);
+    if (mFate[t] == Fate::Cut) mPieces.emplace(t, std::move(kept));
   }
 
   /// Triangles that nothing cuts or touches have the fate of their neighbours: three triangles of each patch are
@@ -384,9 +386,15 @@ class Union {
         const std::uint32_t other = mParts.partner[3 * t + static_cast<std::uint32_t>(c)];
         if (other != kNone && mFate[other] == Fate::Whole) patches.join(t, other);
       }
-    std::vector<std::vector<std::uint32_t>> members(count);
+    // The triangles of each patch stand together in members; those of the patch that i represents end at ends[i].
+    std::vector<std::uint32_t> members, ends(count + 1, 0);
     for (std::uint32_t t = 0; t < count; ++t)
-      if (mFate[t] == Fate::Whole) members[patches.find(t)].push_back(t);
+      if (mFate[t] == Fate::Whole) ++ends[patches.find(t) + 1];
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    members.resize(ends.back());
+    ends.pop_back();
+    for (std::uint32_t t = 0; t < count; ++t)
+      if (mFate[t] == Fate::Whole) members[ends[patches.find(t)]++] = t;
     const auto ask = [this](std::uint32_t t) {
       const Plane plane = planeOf(t);
       return hasOutside(t, plane.normal(), (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0) ? Fate::Kept
@@ -396,7 +404,8 @@ class Union {
       for (std::size_t i = begin; i < end; ++i) {
         const auto t = static_cast<std::uint32_t>(i);
         if (mFate[t] == Fate::Touched) mFate[t] = ask(t);
-        const std::vector<std::uint32_t>& patch = members[i];
+        const std::size_t first = i == 0 ? 0 : ends[i - 1];
+        const std::span patch = std::span(members).subspan(first, ends[i] - first);
         if (patch.empty()) continue;
         const Fate fate = ask(patch.front());
         const bool agree = ask(patch[patch.size() / 2]) == fate && ask(patch.back()) == fate;
@@ -506,8 +515,8 @@ class Union {
   Monitor& mMonitor;
   const TriangleBoxes mBoxes;
   std::vector<Fate> mFate;
-  std::vector<std::vector<Polygon>> mPieces;  ///< of triangles with Fate::Cut
-  std::vector<std::atomic<bool>> mBuries;     ///< parts that lie in others or have others in them
+  tbb::concurrent_unordered_map<std::uint32_t, std::vector<Polygon>> mPieces;  ///< of triangles with Fate::Cut
+  std::vector<std::atomic<bool>> mBuries;  ///< parts that lie in others or have others in them
 };
 
 }  // namespace
