@@ -250,8 +250,19 @@ TEST(ShapeEnergy, isTheEnergyOfThePaper) {
     }
 }
 
-TEST(ShapeEnergy, gradientIsThatOfDifferences) {
+/// The slope of the energy by a variable of the rational, which comes back as it was.
+double differenceQuotient(const Scene& scene, WideRational& rational, Wide& variable) {
   const Wide h = Wide(1e-9);  // the third derivative adds 1e-18 of its size
+  const Wide at = variable;
+  variable = at + h;
+  const Wide above = directEnergy(scene, rational);
+  variable = at - h;
+  const Wide below = directEnergy(scene, rational);
+  variable = at;
+  return static_cast<double>(Wide(above - below) / (2 * h));
+}
+
+TEST(ShapeEnergy, gradientIsThatOfDifferences) {
   for (Scene scene : gradientScenes())
     for (const double penalty : {0., 0.25}) {
       scene.options.powerPenalty = penalty;
@@ -263,13 +274,7 @@ TEST(ShapeEnergy, gradientIsThatOfDifferences) {
       const std::vector<Wide*> variables = rational.variables();
       ASSERT_EQ(found.size(), variables.size());
       for (std::size_t k = 0; k < found.size(); ++k) {
-        const Wide at = *variables[k];
-        *variables[k] = at + h;
-        const Wide above = directEnergy(scene, rational);
-        *variables[k] = at - h;
-        const Wide below = directEnergy(scene, rational);
-        *variables[k] = at;
-        EXPECT_NEAR(found[k], static_cast<double>(Wide(above - below) / (2 * h)), allowed.gradient[k])
+        EXPECT_NEAR(found[k], differenceQuotient(scene, rational, *variables[k]), allowed.gradient[k])
             << "variable " << k << ": " << text(scene.rational);
       }
     }
@@ -283,7 +288,6 @@ std::vector<double> flattenedPlaces(const RationalGradient& gradient) {
 }
 
 TEST(ShapeEnergy, gradientByPlacesIsThatOfDifferences) {
-  const Wide h = Wide(1e-9);
   std::size_t tried = 0;
   for (const Scene& scene : gradientScenes()) {
     RationalGradient gradient, powersOnly;
@@ -298,13 +302,7 @@ TEST(ShapeEnergy, gradientByPlacesIsThatOfDifferences) {
     const std::vector<Wide*> coordinates = rational.coordinates();
     ASSERT_EQ(found.size(), coordinates.size());
     for (std::size_t k = 0; k < found.size(); ++k) {
-      const Wide at = *coordinates[k];
-      *coordinates[k] = at + h;
-      const Wide above = directEnergy(scene, rational);
-      *coordinates[k] = at - h;
-      const Wide below = directEnergy(scene, rational);
-      *coordinates[k] = at;
-      EXPECT_NEAR(found[k], static_cast<double>(Wide(above - below) / (2 * h)), allowed.places[k / 4])
+      EXPECT_NEAR(found[k], differenceQuotient(scene, rational, *coordinates[k]), allowed.places[k / 4])
           << "coordinate " << k << ": " << text(scene.rational);
       tried += found[k] != 0;
     }
