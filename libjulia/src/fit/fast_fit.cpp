@@ -99,6 +99,12 @@ struct FitRoot {
   double least;  // of the power
 };
 
+std::vector<Quaternion<double>> positionsOf(std::span<const FitRoot> roots) {
+  std::vector<Quaternion<double>> positions;
+  for (const FitRoot& root : roots) positions.push_back(Embedding{}.quaternion<double>(root.x));
+  return positions;
+}
+
 class Fitter {
  public:
   Fitter(std::span<const FitCell> cells, std::span<const RootCandidate> candidates, const FastFitOptions& options);
@@ -217,11 +223,8 @@ double Fitter::loss(const Objective& objective, const std::vector<double>& l) co
 }
 
 void Fitter::add(const std::vector<FitRoot>& roots) {
-  std::vector<Quaternion<double>> positions;
-  for (const FitRoot& root : roots) {
-    positions.push_back(Embedding{}.quaternion<double>(root.x));
-    mRoots.push_back(root);
-  }
+  const std::vector<Quaternion<double>> positions = positionsOf(roots);
+  mRoots.insert(mRoots.end(), roots.begin(), roots.end());
   mProgram.reset();
   mLogs.append(positions);
   mHeldLogs.append(positions);
@@ -480,8 +483,7 @@ bool Fitter::isOnItsSide(const FitRoot& root) const {
 /// Puts the roots at other places.
 void Fitter::place(const std::vector<FitRoot>& roots) {
   mRoots = roots;
-  std::vector<Quaternion<double>> positions;
-  for (const FitRoot& root : mRoots) positions.push_back(Embedding{}.quaternion<double>(root.x));
+  const std::vector<Quaternion<double>> positions = positionsOf(roots);
   mLogs.move(positions);
   mHeldLogs.move(positions);
   mGram.resize(0, 0);
