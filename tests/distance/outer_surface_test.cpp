@@ -11,6 +11,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,14 +20,28 @@ namespace {
 using namespace test_meshes;
 using openvdb::BBoxd;
 using openvdb::FloatGrid;
+using vdbtools::HiddenPlace;
 using vdbtools::MeshToSdfOptions;
 using vdbtools::Monitor;
 
 class OuterSurface : public testing::Test {
  protected:
   static void SetUpTestSuite() { openvdb::initialize(); }
+
+  std::optional<vdbtools::OuterSurface> outerSurfaceOf(const Mesh& mesh, const std::vector<HiddenPlace>& hidden) {
+    return vdbtools::outerSurface(vdbtools::TriangleTree(mesh.points, mesh.triangles), hidden, monitor);
+  }
   Monitor monitor;
 };
+
+/// The middles of all triangles.
+std::vector<HiddenPlace> placesOf(const Mesh& mesh) {
+  std::vector<HiddenPlace> places;
+  for (const openvdb::Vec3I& t : mesh.triangles)
+    places.push_back(
+        {static_cast<std::uint32_t>(places.size()), (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0});
+  return places;
+}
 
 double distanceTo(const BBoxd& box, const Vec3d& p) {
   Vec3d beyond;
@@ -199,6 +214,58 @@ TEST_F(OuterSurface, OnePartMayCrossItself) {
   EXPECT_EQ(united, 1U);
 }
 
+/// A closed tube in the form of an eight, which crosses itself in the middle.
+class Eight {
+ public:
+  static constexpr double kRadius = 6;
+
+  static Mesh mesh() {
+    constexpr std::uint32_t kAlong = 240, kAround = 40;
+    Mesh mesh;
+    for (std::uint32_t i = 0; i < kAlong; ++i) {
+      const double t = i * 2 * M_PI / kAlong;
+      const Vec3d side = Vec3d(-50 * std::cos(2 * t), 40 * std::cos(t), 0).unit() * kRadius, up(0, 0, kRadius);
+      for (std::uint32_t k = 0; k < kAround; ++k) {
+        const double turn = k * 2 * M_PI / kAround;
+        mesh.points.push_back(at(t) + side * std::cos(turn) + up * std::sin(turn));
+        const std::uint32_t a = i * kAround, b = (i + 1) % kAlong * kAround, next = (k + 1) % kAround;
+        mesh.triangles.emplace_back(a + k, b + k, b + next);
+        mesh.triangles.emplace_back(a + k, b + next, a + next);
+      }
+    }
+    return mesh;
+  }
+  /// Whether a position is inside, and not just below the surface.
+  static bool isDeep(const Vec3d& p) {
+    double least = 1e9;
+    for (int i = 0; i < 2000; ++i) least = std::min(least, (at(i * 2 * M_PI / 2000) - p).length());
+    return least < 0.95 * kRadius;
+  }
+
+ private:
+  static Vec3d at(double t) { return {40 * std::sin(t), 25 * std::sin(2 * t), 0}; }
+};
+
+TEST_F(OuterSurface, APartIsExaminedOnlyWhereItMayCrossItself) {
+  const Mesh eight = Eight::mesh();
+  std::vector<HiddenPlace> outer, inner;
+  for (const HiddenPlace& place : placesOf(eight)) {
+    if (Eight::isDeep(place.point)) inner.push_back(place);
+    if (place.point.length() > 4 * Eight::kRadius) outer.push_back(place);
+  }
+  ASSERT_GT(inner.size(), 100U);
+  outer.resize(100);
+  // A groove may be too narrow for the lattice, but its walls are part of the surface.
+  EXPECT_FALSE(outerSurfaceOf(eight, outer));
+  outer.push_back(inner[inner.size() / 2]);
+  const auto surface = outerSurfaceOf(eight, outer);
+  ASSERT_TRUE(surface);
+  EXPECT_EQ(surface->parts, 1U);
+  EXPECT_GT(surface->triangles.size(), eight.triangles.size() / 2);
+  const Mesh left{.points = surface->points, .triangles = surface->triangles};
+  for (const HiddenPlace& place : placesOf(left)) EXPECT_FALSE(Eight::isDeep(place.point)) << place.point;
+}
+
 TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
   const double r = 0.7;
   const Vec3d a(0, 0, 0), b(0.9, 0.2, 0.1);
@@ -234,10 +301,10 @@ TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
 TEST_F(OuterSurface, WhatDoesNotMeetIsLeftAsItIs) {
   const Mesh apart = merged(makeSphere(5, 3), makeBox(Vec3d(3.2, 3.2, 3.2), Vec3d(8, 8, 9))), one = makeSphere(9, 4);
   for (const Mesh& mesh : {apart, one, withoutTriangles(one, [](const Vec3d& p) { return p[2] > 8; })})
-    EXPECT_FALSE(vdbtools::outerSurface(mesh.points, mesh.triangles, true, monitor));
+    EXPECT_FALSE(outerSurfaceOf(mesh, placesOf(mesh)));
   if (hasBunny()) {
     const Mesh mesh = transformed(bunny(), 50, Vec3d(0));
-    EXPECT_FALSE(vdbtools::outerSurface(mesh.points, mesh.triangles, false, monitor));
+    EXPECT_FALSE(outerSurfaceOf(mesh, {}));
   }
 }
 

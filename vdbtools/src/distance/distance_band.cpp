@@ -12,7 +12,6 @@
 #include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -161,8 +160,8 @@ FloatGrid::Ptr gridOf(std::vector<Made> all, float background) {
 
 /// The sides of the mesh.
 struct Sides {
-  FloatTree sign;              ///< below 0 inside, above 0 outside, at every node
-  bool buriesSurface = false;  ///< whether some triangles have no outside next to them
+  FloatTree sign;                   ///< below 0 inside, above 0 outside, at every node
+  std::vector<HiddenPlace> hidden;  ///< where the surface has no outside next to it
 };
 
 class SideFinder {
@@ -173,7 +172,7 @@ class SideFinder {
     makeSquares();
     traceExterior(mSquares);
     mMonitor.throwIfCancelled();
-    Sides sides{FloatTree(1.0F)};
+    Sides sides{FloatTree(1.0F), {}};
     resolveCrossed(sides);
     return sides;
   }
@@ -210,7 +209,6 @@ class SideFinder {
   /// decide, the node is outside if it is on the outer side of the triangle that is nearest to an outer neighbour.
   bool isOutside(const Coord& node, float square, const Squares& squares, const Triangles& triangles) const {
     const float distance = std::sqrt(square);
-    const std::vector<Vec3d>& points = mTree.localPoints();
     bool besideInside = false, seemsOutside = false;
     for (int k = 0; k < 27; ++k) {
       const Coord offset(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1), next = node + offset;
@@ -222,10 +220,7 @@ class SideFinder {
       if (sameSide && other < 0) return true;
       besideInside |= sameSide;
       if (other > 0 || seemsOutside) continue;
-      const Vec3I& t = mTree.triangles()[static_cast<std::size_t>(triangles.getValue(next))];
-      Vec3d weights;
-      const Vec3d nearest = openvdb::math::closestPointOnTriangleToPoint(points[t[0]], points[t[1]], points[t[2]],
-                                                                         (next - mTree.origin()).asVec3d(), weights);
+      const Vec3d nearest = nearestPoint(static_cast<std::uint32_t>(triangles.getValue(next)), next);
       seemsOutside =
           ((node - mTree.origin()).asVec3d() - nearest).dot((next - mTree.origin()).asVec3d() - nearest) > kOnePlane;
     }
@@ -252,22 +247,41 @@ class SideFinder {
     openvdb::tree::ValueAccessor<FloatTree> accessor(sides.sign);
     for (std::unique_ptr<Leaf>& sign : signs) accessor.addLeaf(sign.release());
     openvdb::tools::signedFloodFillWithValues(sides.sign, 1.0F, -1.0F);
-    std::atomic<bool> buries = false;
-    inParallel(leaves.leafCount(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
+    findHidden(sides);
+  }
+
+  /// The places that are nearest to crossed nodes without an outer neighbour.
+  void findHidden(Sides& sides) const {
+    openvdb::tree::LeafManager<const FloatTree> leaves(mSquares);
+    std::vector<std::vector<HiddenPlace>> hidden(leaves.leafCount());
+    inParallel(hidden.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
       const openvdb::tree::ValueAccessor<const FloatTree> sign(sides.sign);
-      for (std::size_t i = begin; i < end && !buries; ++i) {
+      for (std::size_t i = begin; i < end; ++i) {
         const Leaf& leaf = leaves.leaf(i);
+        const TriangleLeaf& triangles = *mTriangles.probeConstLeaf(leaf.origin());
         for (Index n = 0; n < Leaf::SIZE; ++n) {
           if (!(std::abs(leaf.getValue(n)) <= kCrossed)) continue;
           const Coord node = leaf.offsetToGlobalCoord(n);
           bool hasOutside = false;
           for (int k = 0; k < 27 && !hasOutside; ++k)
             hasOutside = sign.getValue(node.offsetBy(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1)) > 0;
-          if (!hasOutside) buries = true;
+          if (hasOutside) continue;
+          const auto triangle = static_cast<std::uint32_t>(triangles.getValue(n));
+          hidden[i].push_back({triangle, nearestPoint(triangle, node) + mTree.origin().asVec3d()});
         }
       }
     });
-    sides.buriesSurface = buries;
+    for (const std::vector<HiddenPlace>& some : hidden)
+      sides.hidden.insert(sides.hidden.end(), some.begin(), some.end());
+  }
+
+  /// The point of a triangle nearest to a node, relative to the tree's origin.
+  Vec3d nearestPoint(std::uint32_t triangle, const Coord& node) const {
+    const std::vector<Vec3d>& points = mTree.localPoints();
+    const Vec3I& t = mTree.triangles()[triangle];
+    Vec3d weights;
+    return openvdb::math::closestPointOnTriangleToPoint(points[t[0]], points[t[1]], points[t[2]],
+                                                        (node - mTree.origin()).asVec3d(), weights);
   }
 
   const TriangleTree& mTree;
@@ -311,6 +325,7 @@ std::vector<Vec3I> boundingTriangles(const TriangleTree& tree, const Sides& side
     }
   });
   std::vector<Vec3I> kept;
+  kept.reserve(static_cast<std::size_t>(std::count(bounds.begin(), bounds.end(), 1)));
   for (std::size_t i = 0; i < bounds.size(); ++i)
     if (bounds[i]) kept.push_back(tree.triangles()[i]);
   return kept;
@@ -370,13 +385,13 @@ FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float i
   const Sides sides = SideFinder(tree, monitor).find();
   if (united) {
     *united = 0;
-    if (const auto outer = outerSurface(tree.points(), tree.triangles(), sides.buriesSurface, monitor)) {
+    if (const auto outer = outerSurface(tree, sides.hidden, monitor)) {
       *united = outer->parts;
       return signedDistances(TriangleTree(outer->points, outer->triangles, {}, tree.frames()), exterior, interior,
                              phase, monitor);
     }
   }
-  if (sides.buriesSurface) {
+  if (!sides.hidden.empty()) {
     const std::vector<Vec3I> kept = boundingTriangles(tree, sides, monitor);
     if (!kept.empty() && kept.size() < tree.triangles().size())
       return signedBand(TriangleTree(tree.points(), kept, {}, tree.frames()), sides.sign, exterior, interior, phase,

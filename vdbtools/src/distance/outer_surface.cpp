@@ -8,11 +8,10 @@
 
 #include "base/disjoint_sets.h"
 #include "base/in_parallel.h"
-#include "distance/triangle_boxes.h"
 #include "mesh/position_table.h"
 
 #include <tbb/concurrent_unordered_map.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/concurrent_vector.h>
 
 #include <algorithm>
 #include <array>
@@ -43,69 +42,108 @@ enum class Closure : std::uint8_t { Open, Parity, Winding };
 /// Whether a triangle has an outside next to it.
 enum class Fate : std::uint8_t { Kept, Buried, Sliver, Cut, Touched, Whole };
 
+/// A mesh in which points of the same position are one.
+class Welded {
+ public:
+  /// Keeps a reference to the mesh.
+  explicit Welded(const TriangleTree& mesh) : mMesh(mesh) {
+    const std::vector<Vec3d>& given = mesh.points();
+    std::vector<std::uint32_t> numbers(given.size());
+    PositionTable table(mPlaces, given.size());
+    for (std::size_t p = 0; p < given.size(); ++p) numbers[p] = table.numberOf(given[p]);
+    if (mPlaces.size() == given.size()) {
+      std::vector<Vec3d>().swap(mPlaces);
+      return;
+    }
+    mTriangles = mesh.triangles();
+    for (Vec3I& t : mTriangles) t = Vec3I(numbers[t[0]], numbers[t[1]], numbers[t[2]]);
+  }
+
+  const std::vector<Vec3d>& points() const { return mPlaces.empty() ? mMesh.points() : mPlaces; }
+  const std::vector<Vec3I>& triangles() const { return mPlaces.empty() ? mMesh.triangles() : mTriangles; }
+  const TriangleTree& tree() const { return mMesh; }
+
+ private:
+  const TriangleTree& mMesh;
+  std::vector<Vec3d> mPlaces;  ///< empty if no two points have the same position
+  std::vector<Vec3I> mTriangles;
+};
+
 struct Parts {
-  std::vector<std::uint32_t> of;       ///< the part of each triangle
-  std::vector<Closure> closure;        ///< of each part
-  std::vector<BBoxd> box;              ///< of each part
-  std::vector<std::uint32_t> partner;  ///< three per triangle: the triangle beyond each edge, if there is exactly one
+  std::vector<std::uint32_t> of;  ///< the part of each triangle
+  std::vector<Closure> closure;   ///< of each part
+  std::vector<BBoxd> box;         ///< of each part
 };
 
 /// One use of an edge by a triangle.
 struct EdgeUse {
   std::uint64_t edge = 0;  ///< its smaller point, then its larger one
-  std::uint32_t triangle = 0;
-  std::uint8_t corner = 0;
-  bool forward = false;  ///< from the smaller point to the larger one
+  std::uint32_t side = 0;  ///< three times the triangle, plus the number of the corner at which the edge begins
 
-  bool operator<(const EdgeUse& other) const {
-    return edge < other.edge || (edge == other.edge && triangle < other.triangle);
-  }
+  std::uint32_t triangle() const { return side / 3; }
+  bool operator<(const EdgeUse& other) const { return edge < other.edge || (edge == other.edge && side < other.side); }
 };
 
 bool repeatsCorner(const Vec3I& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-Parts findParts(const std::vector<Vec3d>& points, const std::vector<Vec3I>& triangles) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    if (repeatsCorner(triangles[t])) continue;
-    for (std::uint8_t c = 0; c < 3; ++c) {
-      const std::uint64_t a = triangles[t][c], b = triangles[t][(c + 1) % 3];
-      uses.push_back({a < b ? a << 32 | b : b << 32 | a, t, c, a < b});
+/// Calls visit(uses) for each edge, in several threads, with its uses in the order of the triangles.
+template <class Visit>
+void forEachEdge(const Welded& mesh, const Monitor& monitor, const Visit& visit) {
+  // Each turn takes the edges whose smaller points are in one range, so that not all uses are in memory at once.
+  constexpr std::size_t kTurns = 16, kFewest = 4096;
+  const std::vector<Vec3I>& triangles = mesh.triangles();
+  const std::size_t points = mesh.points().size(), turns = std::clamp<std::size_t>(points / kFewest, 1, kTurns);
+  inParallel(turns, 1, monitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t turn = begin; turn < end; ++turn) {
+      const std::size_t low = points * turn / turns, high = points * (turn + 1) / turns;
+      std::vector<EdgeUse> uses;
+      for (std::uint32_t t = 0; t < triangles.size(); ++t)
+        for (std::uint32_t c = 0; c < 3; ++c) {
+          const std::uint64_t a = triangles[t][static_cast<int>(c)], b = triangles[t][static_cast<int>((c + 1) % 3)];
+          const std::uint64_t smaller = std::min(a, b);
+          if (smaller >= low && smaller < high && !repeatsCorner(triangles[t]))
+            uses.push_back({smaller << 32 | std::max(a, b), 3 * t + c});
+        }
+      std::sort(uses.begin(), uses.end());
+      for (std::size_t first = 0, next = 0; first < uses.size(); first = next) {
+        while (next < uses.size() && uses[next].edge == uses[first].edge) ++next;
+        visit(std::span<const EdgeUse>(uses).subspan(first, next - first));
+      }
     }
-  }
-  tbb::parallel_sort(uses.begin(), uses.end());
+  });
+}
+
+Parts findParts(const Welded& mesh, const Monitor& monitor) {
+  const std::vector<Vec3I>& triangles = mesh.triangles();
   DisjointSets<std::uint32_t> sets(triangles.size());
-  std::vector<Closure> closure(triangles.size(), Closure::Winding);
-  Parts parts;
-  parts.partner.assign(3 * triangles.size(), kNone);
-  for (std::size_t first = 0, end = 0; first < uses.size(); first = end) {
+  tbb::concurrent_vector<std::pair<std::uint32_t, Closure>> exceptions;
+  forEachEdge(mesh, monitor, [&](std::span<const EdgeUse> uses) {
     int balance = 0;
-    for (end = first; end < uses.size() && uses[end].edge == uses[first].edge; ++end) {
-      balance += uses[end].forward ? 1 : -1;
-      sets.join(uses[first].triangle, uses[end].triangle);
+    for (const EdgeUse& use : uses) {
+      const bool forward = triangles[use.triangle()][static_cast<int>(use.side % 3)] == use.edge >> 32;
+      balance += forward ? 1 : -1;
+      sets.join(uses.front().triangle(), use.triangle());
     }
-    const std::size_t count = end - first;
-    Closure& here = closure[uses[first].triangle];
-    if (balance != 0) here = std::min(here, count % 2 == 0 ? Closure::Parity : Closure::Open);
-    if (count != 2) continue;
-    const EdgeUse &a = uses[first], &b = uses[first + 1];
-    parts.partner[3 * a.triangle + a.corner] = b.triangle;
-    parts.partner[3 * b.triangle + b.corner] = a.triangle;
-  }
+    if (balance != 0)
+      exceptions.emplace_back(uses.front().triangle(), uses.size() % 2 == 0 ? Closure::Parity : Closure::Open);
+  });
+  Parts parts;
   parts.of.assign(triangles.size(), kNone);
-  std::vector<std::uint32_t> numbers(triangles.size(), kNone);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     if (repeatsCorner(triangles[t])) continue;
-    std::uint32_t& number = numbers[sets.find(t)];
-    if (number == kNone) {
-      number = static_cast<std::uint32_t>(parts.closure.size());
+    // The first triangle of a part names its set.
+    const std::uint32_t first = sets.find(t);
+    if (first == t) {
+      parts.of[t] = static_cast<std::uint32_t>(parts.closure.size());
       parts.closure.push_back(Closure::Winding);
       parts.box.emplace_back();
     }
-    parts.of[t] = number;
-    parts.closure[number] = std::min(parts.closure[number], closure[t]);
-    for (int c = 0; c < 3; ++c) parts.box[number].expand(points[triangles[t][c]]);
+    const std::uint32_t number = parts.of[t] = parts.of[first];
+    for (int c = 0; c < 3; ++c) parts.box[number].expand(mesh.points()[triangles[t][c]]);
+  }
+  for (const auto& [triangle, closure] : exceptions) {
+    Closure& whole = parts.closure[parts.of[triangle]];
+    whole = std::min(whole, closure);
   }
   return parts;
 }
@@ -243,17 +281,33 @@ void cut(const Polygon& polygon, const std::vector<Segment>& segments, int depth
 
 class Union {
  public:
-  Union(const std::vector<Vec3d>& points, std::vector<Vec3I> triangles, Parts parts, Monitor& monitor)
-      : mPoints(points),
-        mTriangles(std::move(triangles)),
+  Union(const Welded& mesh, Parts parts, Monitor& monitor)
+      : mMesh(mesh.tree()),
+        mPoints(mesh.points()),
+        mTriangles(mesh.triangles()),
         mParts(std::move(parts)),
         mMonitor(monitor),
-        mBoxes(points, mTriangles),
-        mFate(mTriangles.size(), Fate::Whole),
         mBuries(mParts.closure.size()) {}
 
-  void find() {
+  /// Whether one of some places lies within a part.
+  bool hidesOne(std::span<const HiddenPlace> places) const {
+    std::atomic<bool> hides = false;
+    inParallel(places.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end && !hides; ++i)
+        if (hidesPlace(places[i])) hides = true;
+    });
+    return hides;
+  }
+
+  void find(const Welded& mesh) {
     mMonitor.begin({PhaseKind::Sides, "of parts"}, 2 * mTriangles.size());
+    mFate.assign(mTriangles.size(), Fate::Whole);
+    mPartner.assign(3 * mTriangles.size(), kNone);
+    forEachEdge(mesh, mMonitor, [this](std::span<const EdgeUse> uses) {
+      if (uses.size() != 2) return;
+      mPartner[uses[0].side] = uses[1].triangle();
+      mPartner[uses[1].side] = uses[0].triangle();
+    });
     inParallel(mTriangles.size(), 64, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) cutTriangle(static_cast<std::uint32_t>(t));
       mMonitor.advance(end - begin);
@@ -265,10 +319,10 @@ class Union {
     return std::any_of(mFate.begin(), mFate.end(), [](Fate fate) { return fate == Fate::Buried || fate == Fate::Cut; });
   }
 
-  OuterSurface surface(const std::vector<Vec3d>& points, const std::vector<Vec3I>& triangles) {
-    OuterSurface result{.points = points, .triangles = {}, .parts = 0};
+  OuterSurface surface() {
+    OuterSurface result{.points = mMesh.points(), .triangles = {}, .parts = 0};
     for (std::size_t t = 0; t < mFate.size(); ++t) {
-      if (mFate[t] == Fate::Kept) result.triangles.push_back(triangles[t]);
+      if (mFate[t] == Fate::Kept) result.triangles.push_back(mMesh.triangles()[t]);
       if (mFate[t] != Fate::Cut) continue;
       const Plane plane = planeOf(static_cast<std::uint32_t>(t));
       for (const Polygon& piece : mPieces.at(static_cast<std::uint32_t>(t))) {
@@ -285,6 +339,30 @@ class Union {
  private:
   const Vec3d& corner(std::uint32_t triangle, int c) const { return mPoints[mTriangles[triangle][c]]; }
   Plane planeOf(std::uint32_t t) const { return {corner(t, 0), corner(t, 1), corner(t, 2)}; }
+  Vec3d middleOf(std::uint32_t t) const { return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0; }
+
+  BBoxd boxOf(std::uint32_t t) const {
+    BBoxd box(corner(t, 0), corner(t, 0));
+    box.expand(corner(t, 1));
+    box.expand(corner(t, 2));
+    return box;
+  }
+
+  bool isSliver(std::uint32_t t) const {
+    const Vec3d &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
+    const double longest = std::sqrt(std::max({(b - a).lengthSqr(), (c - b).lengthSqr(), (a - c).lengthSqr()}));
+    return mParts.of[t] == kNone || !((b - a).cross(c - a).length() > kTouch * longest);
+  }
+
+  bool hidesPlace(const HiddenPlace& place) const {
+    // Beside the edges, where a ray would meet the neighbour, too.
+    constexpr double kInwards = 0.1;
+    if (isSliver(place.triangle)) return true;
+    const Vec3d way = middleOf(place.triangle) - place.point;
+    const Vec3d point = place.point + way * std::min(kInwards, kInwards / (way.length() + 1e-30));
+    std::vector<Passed> passed;
+    return !hasOutside(place.triangle, planeOf(place.triangle).normal(), point, passed);
+  }
 
   /// The intersection of another triangle with the plane of a triangle: no segment, one, or three edges if it lies in
   /// the plane.
@@ -330,19 +408,16 @@ class Union {
   void cutTriangle(std::uint32_t t) {
     const Vec3I& own = mTriangles[t];
     const Vec3d &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
-    const double longest = std::sqrt(std::max({(b - a).lengthSqr(), (c - b).lengthSqr(), (a - c).lengthSqr()}));
-    if (mParts.of[t] == kNone || !((b - a).cross(c - a).length() > kTouch * longest)) {
+    if (isSliver(t)) {
       mFate[t] = Fate::Sliver;
       return;
     }
     const Plane plane(a, b, c);
-    BBoxd box(a, a);
-    box.expand(b);
-    box.expand(c);
+    BBoxd box = boxOf(t);
     box.expand(kTouch);
     std::vector<std::uint32_t> others;
-    mBoxes.meeting(box, [&](std::uint32_t other) {
-      if (other != t && mParts.of[other] != kNone) others.push_back(other);
+    mMesh.meeting(box, [&](std::uint32_t other) {
+      if (other != t && mParts.of[other] != kNone && boxOf(other).hasOverlap(box)) others.push_back(other);
     });
     std::sort(others.begin(), others.end());
     const Polygon polygon = {plane.flat(a), plane.flat(b), plane.flat(c)};
@@ -351,7 +426,7 @@ class Union {
     for (const std::uint32_t other : others) {
       const Vec3I& corners = mTriangles[other];
       // Neighbours across an edge meet there and nowhere else.
-      const std::uint32_t* const partners = &mParts.partner[3 * std::size_t{t}];
+      const std::uint32_t* const partners = &mPartner[3 * std::size_t{t}];
       if (std::find(partners, partners + 3, other) != partners + 3) continue;
       const std::size_t first = segments.size();
       addSegments(plane, own, corners, segments);
@@ -369,7 +444,7 @@ class Union {
     for (Polygon& piece : pieces) {
       Vec2d middle(0, 0);
       for (const Vec2d& p : piece) middle += p;
-      if (hasOutside(t, plane.normal(), plane.space(middle / static_cast<double>(piece.size()))))
+      if (keeps(t, plane.normal(), plane.space(middle / static_cast<double>(piece.size()))))
         kept.push_back(std::move(piece));
     }
     mFate[t] = kept.size() == pieces.size() ? Fate::Kept : kept.empty() ? Fate::Buried : Fate::Cut;
@@ -383,7 +458,7 @@ class Union {
     DisjointSets<std::uint32_t> patches(count);
     for (std::uint32_t t = 0; t < count; ++t)
       for (int c = 0; c < 3 && mFate[t] == Fate::Whole; ++c) {
-        const std::uint32_t other = mParts.partner[3 * t + static_cast<std::uint32_t>(c)];
+        const std::uint32_t other = mPartner[3 * t + static_cast<std::uint32_t>(c)];
         if (other != kNone && mFate[other] == Fate::Whole) patches.join(t, other);
       }
     // The triangles of each patch stand together in members; those of the patch that i represents end at ends[i].
@@ -397,8 +472,7 @@ class Union {
       if (mFate[t] == Fate::Whole) members[ends[patches.find(t)]++] = t;
     const auto ask = [this](std::uint32_t t) {
       const Plane plane = planeOf(t);
-      return hasOutside(t, plane.normal(), (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0) ? Fate::Kept
-                                                                                               : Fate::Buried;
+      return keeps(t, plane.normal(), middleOf(t)) ? Fate::Kept : Fate::Buried;
     };
     inParallel(count, 64, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -423,7 +497,8 @@ class Union {
   };
 
   /// Whether there is an outside on one of the sides of a triangle at a point of it.
-  bool hasOutside(std::uint32_t t, const Vec3d& normal, const Vec3d& point) {
+  /// @param first  how a ray leaves the parts
+  bool hasOutside(std::uint32_t t, const Vec3d& normal, const Vec3d& point, std::vector<Passed>& first) const {
     // Directions of no lattice, because meshes made by programs often have edges along lattice directions.
     static const Vec3d kDirections[] = {{1, 0.37139, 0.21131},   {0.23417, 1, 0.35813},  {0.36121, 0.19777, 1},
                                         {1, -0.33971, 0.24359},  {-0.21713, 1, 0.34651}, {0.37957, -0.22369, 1},
@@ -433,18 +508,21 @@ class Union {
     for (std::size_t i = 0; i < order.size(); ++i)
       order[i] = {-std::abs(normal.dot(kDirections[i])) / kDirections[i].length(), &kDirections[i]};
     std::sort(order.begin(), order.end());
-    std::vector<Passed> passed[3];
-    const bool first = seesOutside(t, point, *order[0].second, passed[0]),
-               second = seesOutside(t, point, *order[1].second, passed[1]);
-    const bool outside = first == second ? first : seesOutside(t, point, *order[2].second, passed[2]);
-    if (!outside) {
-      mBuries[mParts.of[t]] = true;
-      for (const Passed& p : passed[0])
-        if (isWithin(p.part, p.beyond, p.timesBeyond) ||
-            isWithin(p.part, p.beyond + p.here, p.timesBeyond + p.timesHere))
-          mBuries[p.part] = true;
-    }
-    return outside;
+    std::vector<Passed> second, third;
+    const bool sees = seesOutside(t, point, *order[0].second, first);
+    return sees == seesOutside(t, point, *order[1].second, second) ? sees
+                                                                   : seesOutside(t, point, *order[2].second, third);
+  }
+
+  /// The same, noting the parts that hide others and those that are hidden.
+  bool keeps(std::uint32_t t, const Vec3d& normal, const Vec3d& point) {
+    std::vector<Passed> passed;
+    if (hasOutside(t, normal, point, passed)) return true;
+    mBuries[mParts.of[t]] = true;
+    for (const Passed& p : passed)
+      if (isWithin(p.part, p.beyond, p.timesBeyond) || isWithin(p.part, p.beyond + p.here, p.timesBeyond + p.timesHere))
+        mBuries[p.part] = true;
+    return false;
   }
 
   bool isWithin(std::uint32_t part, int winding, int times) const {
@@ -462,7 +540,7 @@ class Union {
                   : std::abs(direction[1]) == 1 ? 1
                                                 : 2,
               i = (k + 1) % 3, j = (k + 2) % 3;
-    mBoxes.along(point, direction, kSlack, [&](std::uint32_t other) {
+    mMesh.along(point, direction, kSlack, [&](std::uint32_t other) {
       const std::uint32_t part = mParts.of[other];
       if (part == kNone || mParts.closure[part] == Closure::Open) return;
       // Projected along the ray. An edge has the same bits in each of its triangles, so the ray passes on one side of
@@ -509,38 +587,34 @@ class Union {
     return beyond || before;
   }
 
-  const std::vector<Vec3d>& mPoints;
-  const std::vector<Vec3I> mTriangles;
+  const TriangleTree& mMesh;
+  const std::vector<Vec3d>& mPoints;     ///< welded
+  const std::vector<Vec3I>& mTriangles;  ///< welded
   const Parts mParts;
   Monitor& mMonitor;
-  const TriangleBoxes mBoxes;
   std::vector<Fate> mFate;
+  std::vector<std::uint32_t> mPartner;  ///< three per triangle: the triangle beyond each edge, if there is exactly one
   tbb::concurrent_unordered_map<std::uint32_t, std::vector<Polygon>> mPieces;  ///< of triangles with Fate::Cut
   std::vector<std::atomic<bool>> mBuries;  ///< parts that lie in others or have others in them
 };
 
 }  // namespace
 
-std::optional<OuterSurface> outerSurface(const std::vector<Vec3d>& points, const std::vector<Vec3I>& triangles,
-                                         bool within, Monitor& monitor) {
-  std::vector<Vec3d> places;
-  std::vector<Vec3I> welded(triangles.size());
-  {
-    PositionTable table(places, points.size());
-    std::vector<std::uint32_t> numbers(points.size());
-    for (std::size_t p = 0; p < points.size(); ++p) numbers[p] = table.numberOf(points[p]);
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-      for (int c = 0; c < 3; ++c) welded[t][c] = numbers[triangles[t][c]];
-  }
+std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<const HiddenPlace> hidden,
+                                         Monitor& monitor) {
+  // To examine all triangles then costs less than to ask about each place.
+  const bool many = hidden.size() > mesh.triangles().size() / 4;
+  const Welded welded(mesh);
   monitor.throwIfCancelled();
-  Parts parts = findParts(places, welded);
-  const bool closed =
-      std::any_of(parts.closure.begin(), parts.closure.end(), [](Closure closure) { return closure != Closure::Open; });
-  if (!closed || (!within && !mayMeet(parts))) return std::nullopt;
-  Union all(places, std::move(welded), std::move(parts), monitor);
-  all.find();
+  Parts parts = findParts(welded, monitor);
+  if (std::all_of(parts.closure.begin(), parts.closure.end(), [](Closure c) { return c == Closure::Open; }))
+    return std::nullopt;
+  const bool meet = mayMeet(parts);
+  Union all(welded, std::move(parts), monitor);
+  if (!meet && (hidden.empty() || (!many && !all.hidesOne(hidden)))) return std::nullopt;
+  all.find(welded);
   if (!all.buriesAnything()) return std::nullopt;
-  return all.surface(points, triangles);
+  return all.surface();
 }
 
 }  // namespace vdbtools

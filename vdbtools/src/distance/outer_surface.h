@@ -3,14 +3,24 @@
 /// The outer surface of parts that intersect each other (docs/design.md 2.9).
 #pragma once
 
+#include "search/triangle_tree.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace vdbtools {
+
+/// A point of a triangle beside which a lattice has no outside: it lies within a part, or in a groove too narrow for
+/// the lattice.
+struct HiddenPlace {
+  std::uint32_t triangle = 0;
+  openvdb::Vec3d point;  ///< index space
+};
 
 struct OuterSurface {
   std::vector<openvdb::Vec3d> points;
@@ -24,11 +34,12 @@ struct OuterSurface {
 /// used an even number of times, then parity decides. Parts that are not closed hide nothing.
 ///
 /// The result is a set of triangles, not a closed mesh: at a cut, corners may lie on an edge.
-/// @param points  index space: points within a few millionths of a voxel of each other count as coincident
-/// @param within  also examine the mesh if no closed part's box meets another part's: a part may intersect itself
+/// @param mesh    in index space: points within a few millionths of a voxel of each other count as coincident
+/// @param hidden  of all parts. A part that meets no other part's box is examined only if one of these lies within a
+/// part
 /// @return empty if no triangle lies within a part: the mesh is its own outer surface
 /// @throw Interrupted
-std::optional<OuterSurface> outerSurface(const std::vector<openvdb::Vec3d>& points,
-                                         const std::vector<openvdb::Vec3I>& triangles, bool within, Monitor& monitor);
+std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<const HiddenPlace> hidden,
+                                         Monitor& monitor);
 
 }  // namespace vdbtools

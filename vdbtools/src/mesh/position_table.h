@@ -24,7 +24,10 @@ class PositionTable {
   /// @param places  receives new positions; must outlive this object
   /// @param most    the maximum number of positions
   PositionTable(std::vector<openvdb::Vec3d>& places, std::size_t most)
-      : mPlaces(places), mLast(std::bit_ceil(std::max<std::size_t>(most, 1)), kNone) {}
+      : mPlaces(places), mLast(std::bit_ceil(std::max<std::size_t>(most, 1)), kNone) {
+    mPlaces.reserve(most);
+    mBefore.reserve(most);
+  }
 
   std::uint32_t numberOf(const openvdb::Vec3d& p) {
     // + 0.0 turns -0 into 0.

@@ -7,6 +7,8 @@
 #include "search/triangle_bins.h"
 #include "vdbtools/base/grids.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -46,6 +48,15 @@ class TriangleTree {
   /// rounding of doubles.
   std::optional<Nearest> nearest(const openvdb::Vec3d& position, double within) const;
 
+  /// Calls visit(triangle) for all triangles whose bounding box meets @a box, and possibly for others nearby.
+  template <class Visit>
+  void meeting(const openvdb::BBoxd& box, const Visit& visit) const;
+
+  /// Calls visit(triangle) for all triangles that a ray meets, within @a slack, and possibly for others nearby.
+  /// @param direction  no component is 0
+  template <class Visit>
+  void along(const openvdb::Vec3d& start, const openvdb::Vec3d& direction, double slack, const Visit& visit) const;
+
   const openvdb::BBoxd& box() const { return mBox; }
   const std::vector<openvdb::Vec3d>& points() const { return mPoints; }
   /// A node near the mesh. If a mesh and nodes are moved together by a multiple of kOriginStep nodes, the results at
@@ -61,6 +72,10 @@ class TriangleTree {
  private:
   friend class BlockDistances;
 
+  /// Visits the triangles of all packs for whose boxes, and those of the nodes above them, meets(node, lane) is true.
+  template <class Meets, class Visit>
+  void walk(const Meets& meets, const Visit& visit) const;
+
   const std::vector<openvdb::Vec3d>& mPoints;
   const std::vector<openvdb::Vec3I>& mTriangles;
   openvdb::Coord mOrigin;
@@ -72,6 +87,73 @@ class TriangleTree {
   std::vector<std::vector<kernels::BoxNode>> mLevels;
   kernels::TreeView mView{};
 };
+
+template <class Meets, class Visit>
+void TriangleTree::walk(const Meets& meets, const Visit& visit) const {
+  using kernels::kPack;
+  struct Open {
+    std::size_t node, level;
+  };
+  Open stack[kPack * kernels::kMostLevels];
+  unsigned size = 0;
+  stack[size++] = {0, mLevels.size() - 1};
+  while (size > 0) {
+    const Open open = stack[--size];
+    const kernels::BoxNode& node = mLevels[open.level][open.node];
+    for (unsigned lane = 0; lane < kPack; ++lane) {
+      if (!meets(node, lane)) continue;
+      const std::size_t child = kPack * open.node + lane;
+      if (open.level > 0) {
+        stack[size++] = {child, open.level - 1};
+        continue;
+      }
+      const auto& numbers = mNumbers[child].triangle;
+      // The last pack is filled with copies of its first triangle.
+      for (unsigned k = 0; k < kPack && (k == 0 || numbers[k] != numbers[0]); ++k) visit(numbers[k]);
+    }
+  }
+}
+
+template <class Visit>
+void TriangleTree::meeting(const openvdb::BBoxd& box, const Visit& visit) const {
+  float low[3], high[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double centre = mOrigin[axis] + mView.centre[axis];
+    low[axis] = static_cast<float>(box.min()[axis] - centre) - 2 * mView.boxSlack;
+    high[axis] = static_cast<float>(box.max()[axis] - centre) + 2 * mView.boxSlack;
+  }
+  walk(
+      [&](const kernels::BoxNode& node, unsigned k) {
+        return (node.low[0][k] <= high[0]) & (node.high[0][k] >= low[0]) & (node.low[1][k] <= high[1]) &
+               (node.high[1][k] >= low[1]) & (node.low[2][k] <= high[2]) & (node.high[2][k] >= low[2]);
+      },
+      visit);
+}
+
+template <class Visit>
+void TriangleTree::along(const openvdb::Vec3d& start, const openvdb::Vec3d& direction, double slack,
+                         const Visit& visit) const {
+  const openvdb::Vec3d inverse = 1.0 / direction;
+  const double wider = slack + 2 * double{mView.boxSlack};
+  double low[3], high[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double at = start[axis] - mOrigin[axis] - mView.centre[axis];
+    low[axis] = at + wider;
+    high[axis] = at - wider;
+  }
+  walk(
+      [&](const kernels::BoxNode& node, unsigned k) {
+        double from = -2 * wider, to = std::numeric_limits<double>::infinity();
+        for (int axis = 0; axis < 3; ++axis) {
+          const double a = (node.low[axis][k] - low[axis]) * inverse[axis],
+                       b = (node.high[axis][k] - high[axis]) * inverse[axis];
+          from = std::max(from, std::min(a, b));
+          to = std::min(to, std::max(a, b));
+        }
+        return from <= to;
+      },
+      visit);
+}
 
 /// Finds the nearest triangles of the nodes of blocks. Each thread needs its own object.
 class BlockDistances {
