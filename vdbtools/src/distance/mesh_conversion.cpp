@@ -65,8 +65,11 @@ double bytesOfBand(double area, double nodes) { return kBytesForArea * area + kB
 /// The share of the memory that is left which the frames of triangles may take.
 constexpr double kShareForFrames = 0.125;
 
+/// Triangles for each voxel face of area, above which blocks make the frames of few of those near them.
+constexpr double kDense = 24;
+
 /// The frames of triangles are made once if they take no more memory than the distances do at least, or little of what
-/// is left. Meshes of many triangles in a voxel need this most: each triangle is near many blocks.
+/// is left. Meshes of several triangles in a voxel need this most: each triangle is near many blocks.
 TriangleTree::Frames framesFor(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
                                const MeshToSdfOptions& options) {
   double area = 0;
@@ -75,6 +78,7 @@ TriangleTree::Frames framesFor(const std::vector<Vec3d>& points, const std::vect
     area += (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).length() / 2;
     for (int c = 0; c < 3; ++c) box.expand(points[t[c]]);
   }
+  if (static_cast<double>(triangles.size()) > kDense * area) return TriangleTree::Frames::ForEachBlock;
   const auto bytes = static_cast<double>(triangles.size() * TriangleTree::kFrameBytes);
   const bool isLittle =
       bytes <= bytesOfBand(area, nodesOfBand(area, box, options)) || bytes <= kShareForFrames * memoryLeft().bytes;

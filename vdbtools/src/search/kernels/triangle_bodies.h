@@ -262,14 +262,60 @@ inline void finish(const TreeView& tree, const double middle[3], const float abo
 /// With fewer candidates, selecting again for a smaller cube does not pay off.
 constexpr std::uint32_t kFew = 6;
 
-/// With more candidates near a cube of 4^3 nodes, they are ManyCandidates.
-constexpr std::uint32_t kMany = 2048;
+/// More candidates than this are ManyCandidates.
+constexpr std::uint32_t kMany = 4096;
 
-/// Upper bounds of half the diagonals of cubes of 4^3 and 2^3 nodes.
-constexpr float kHalfDiagonal4 = 2.599F, kHalfDiagonal2 = 0.867F;
+/// The centres of cubes of 4^3 nodes, and of those of 2^3 in them.
+struct CubeCentres {
+  unsigned first[3];  ///< the first node
+  float about[3];
+
+  static CubeCentres of4(unsigned i) {
+    CubeCentres cube{{i & 4, 2 * (i & 2), 4 * (i & 1)}, {}};
+    for (int axis = 0; axis < 3; ++axis) cube.about[axis] = static_cast<float>(cube.first[axis]) - 2.0F;
+    return cube;
+  }
+  CubeCentres of2(unsigned j) const {
+    CubeCentres cube{{first[0] + (j & 4) / 2, first[1] + (j & 2), first[2] + 2 * (j & 1)}, {}};
+    for (int axis = 0; axis < 3; ++axis) cube.about[axis] = static_cast<float>(cube.first[axis]) - 3.0F;
+    return cube;
+  }
+  unsigned node() const { return first[0] * 64 + first[1] * 8 + first[2]; }
+};
+
+void resolveMany(const TreeView& tree, const double (&middle)[3], const std::uint32_t* packs, std::uint32_t count,
+                 float far, const Scratch& scratch, float distance[kBlockNodes], std::uint32_t triangle[kBlockNodes]) {
+  auto* const boxes = static_cast<PackBoxes*>(scratch.boxes);
+  const std::uint32_t boxVectors = prepareBoxes(tree, middle, packs, count, boxes);
+  ManyCandidates many(tree, middle, packs, count, scratch);
+  ExactTriangles exact;
+  frameExactly(tree, tree.numbers[packs[0]].triangle, exact);
+  for (unsigned i = 0; i < 8; ++i) {
+    const CubeCentres four = CubeCentres::of4(i);
+    const Triangle<float> near = many.nearBoxes(boxes, boxVectors, four.about);
+    const CornerBounds bounds = cornerBounds(near, four.about, 1.5F, slackOf(near) + 2 * tree.boxSlack + 1e-5F);
+    std::uint32_t nearPacks = 0;
+    const std::uint32_t vectors =
+        chooseVectors(boxes, boxVectors, four.about, 1.5F, bounds, far * 1.00001F + 2 * tree.boxSlack, scratch.list[1],
+                      scratch.list[0], nearPacks);
+    if (vectors == 0 || !many.chooseOfFour(scratch.list[1], vectors, four.about, far)) continue;
+    for (unsigned j = 0; j < 8; ++j) {
+      const CubeCentres two = four.of2(j);
+      many.chooseOfTwo(two.about);
+      std::uint32_t numbers[8];
+      many.decide(two.about, numbers);
+      finish(tree, middle, two.about, numbers, exact, two.node(), distance, triangle);
+    }
+  }
+}
 
 void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* packs, std::uint32_t count, float far,
              const Scratch& scratch, float distance[kBlockNodes], std::uint32_t triangle[kBlockNodes]) {
+  if (count * kPack > kMany) {
+    const double about[3] = {middle[0], middle[1], middle[2]};
+    resolveMany(tree, about, packs, count, far, scratch, distance, triangle);
+    return;
+  }
   auto* const all = static_cast<CandidatePack*>(scratch.candidates[0]);
   auto* const some = static_cast<CandidatePack*>(scratch.candidates[1]);
   auto* const boxes = static_cast<PackBoxes*>(scratch.boxes);
@@ -280,59 +326,31 @@ void resolve(const TreeView& tree, const double middle[3], const std::uint32_t* 
   ExactTriangles exact;
   frameExactly(tree, tree.numbers[packs[0]].triangle, exact);
   for (unsigned i = 0; i < 8; ++i) {
-    const unsigned at4[3] = {i & 4, 2 * (i & 2), 4 * (i & 1)};
-    float about4[3], least = 0;
-    for (int axis = 0; axis < 3; ++axis) about4[axis] = static_cast<float>(at4[axis]) - 2.0F;
-    const float* const one = nearCandidate(all, vectors, about4);
+    const CubeCentres four = CubeCentres::of4(i);
+    float least = 0;
+    const float* const one = nearCandidate(all, vectors, four.about);
     const CornerBounds bounds =
-        cornerBounds(triangleOf(one), about4, 1.5F, one[kWide * kSlackAt] + 2 * tree.boxSlack + 1e-5F);
+        cornerBounds(triangleOf(one), four.about, 1.5F, one[kWide * kSlackAt] + 2 * tree.boxSlack + 1e-5F);
     std::uint32_t* const list = scratch.list[0];
     std::uint32_t nearPacks = 0;
-    const std::uint32_t near = chooseVectors(boxes, boxVectors, about4, 1.5F, bounds,
+    const std::uint32_t near = chooseVectors(boxes, boxVectors, four.about, 1.5F, bounds,
                                              far * 1.00001F + 2 * tree.boxSlack, scratch.list[1], list, nearPacks);
     if (near == 0) continue;
-    if (nearPacks * kPack > kMany) {
-      const ManyCandidates many(all, vectors, boxes, tree.boxSlack, static_cast<float*>(scratch.found));
-      std::uint32_t boxCount = 0;
-      for (std::uint32_t n = 0; n < nearPacks; ++n) {
-        const std::uint32_t vector = list[n] / kWide;
-        if (boxCount == 0 || list[boxCount - 1] != vector) list[boxCount++] = vector;
-      }
-      if (std::sqrt(many.nearest(list, boxCount, about4).squared) > far + kHalfDiagonal4) continue;
-      for (unsigned j = 0; j < 8; ++j) {
-        const unsigned at2[3] = {at4[0] + (j & 4) / 2, at4[1] + (j & 2), at4[2] + 2 * (j & 1)};
-        float about2[3];
-        for (int axis = 0; axis < 3; ++axis) about2[axis] = static_cast<float>(at2[axis]) - 3.0F;
-        const ManyCandidates::Found middle2 = many.nearest(list, boxCount, about2);
-        if (std::sqrt(middle2.squared) > far + kHalfDiagonal2) continue;
-        const std::uint32_t of2 = many.choose(list, boxCount, about2, 0.5F, middle2.candidate, scratch.list[1]);
-        std::uint32_t numbers[8];
-        for (unsigned k = 0; k < 8; ++k) {
-          float p[3];
-          for (int axis = 0; axis < 3; ++axis) p[axis] = about2[axis] + 0.5F * kCorner[axis][k];
-          numbers[k] = static_cast<std::uint32_t>(many.nearest(scratch.list[1], of2, p).number);
-        }
-        finish(tree, middle, about2, numbers, exact, at2[0] * 64 + at2[1] * 8 + at2[2], distance, triangle);
-      }
-      continue;
-    }
-    const std::uint32_t of4 = choose(all, total, scratch.list[1], near, about4, 1.5F, scratch, list, least);
+    const std::uint32_t of4 = choose(all, total, scratch.list[1], near, four.about, 1.5F, scratch, list, least);
     if (least > far + kHalfDiagonal4) continue;
     take(all, list, of4, some);
     for (unsigned j = 0; j < 8; ++j) {
-      const unsigned at2[3] = {at4[0] + (j & 4) / 2, at4[1] + (j & 2), at4[2] + 2 * (j & 1)};
-      float about2[3];
-      for (int axis = 0; axis < 3; ++axis) about2[axis] = static_cast<float>(at2[axis]) - 3.0F;
+      const CubeCentres two = four.of2(j);
       std::uint32_t of2 = of4;
       if (of4 > kFew) {
-        of2 = choose(some, of4, nullptr, (of4 + kWide - 1) / kWide, about2, 0.5F, scratch, list, least);
+        of2 = choose(some, of4, nullptr, (of4 + kWide - 1) / kWide, two.about, 0.5F, scratch, list, least);
         if (least > far + kHalfDiagonal2) continue;
       } else {
         for (std::uint32_t n = 0; n < of4; ++n) list[n] = n;
       }
       std::uint32_t numbers[8];
-      decide(some, list, of2, about2, numbers);
-      finish(tree, middle, about2, numbers, exact, at2[0] * 64 + at2[1] * 8 + at2[2], distance, triangle);
+      decide(some, list, of2, two.about, numbers);
+      finish(tree, middle, two.about, numbers, exact, two.node(), distance, triangle);
     }
   }
 }

@@ -70,7 +70,7 @@ struct Scratch {
   void* boxes;
   std::uint32_t* list[2];  ///< eight numbers
 };
-inline constexpr std::size_t kCandidateBytes = 20 * 4 * kPack, kFoundBytes = 4 * 4 * kPack, kBoxBytes = 6 * 4;
+inline constexpr std::size_t kCandidateBytes = 24 * 4 * kPack, kFoundBytes = 4 * 4 * kPack, kBoxBytes = 6 * 4;
 
 /// The nodes of a block, x slowest.
 inline constexpr unsigned kBlockNodes = 512;
