@@ -3,6 +3,7 @@
 
 #include "exit_code.h"
 #include "grid_file.h"
+#include "left_out_text.h"
 #include "options.h"
 #include "output.h"
 #include "plan.h"
@@ -181,7 +182,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     if (const std::vector<std::string> unused = vdbtools::unusedParts(scene.target->parts, line.recipe());
         !unused.empty())
       report().text() << "not used of the target: " << joined(unused) << '\n';
-  if (!isFrame) report().text() << unitedText(scene.metadata);
+  if (!isFrame) report().text() << leftOutText(scene.metadata) << unitedText(scene.metadata);
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";

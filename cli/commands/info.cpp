@@ -83,6 +83,7 @@ void addParts(const vdbtools::Mesh& mesh, const std::string& path, Json& info) {
     for (const vdbtools::VertexAttribute& attribute : mesh.attributes) info["attributes"].push_back(attribute.name);
   }
   if (!mesh.cornerUvs.empty()) info["texture coordinates"] = true;
+  if (mesh.pointsLeftOut > 0) info["points left out, not finite"] = mesh.pointsLeftOut;
   for (const vdbtools::MeshAnimation& animation : vdbtools::readAnimations(path))
     info["animations"].push_back({{"name", animation.name}, {"seconds", {animation.first, animation.last}}});
   const vdbtools::MeshNames names = vdbtools::readMeshNames(path);
@@ -176,8 +177,8 @@ Json vdbInfo(const std::string& path) {
   // Facts that the program found out are no options, and worth seeing; the roots themselves are for 'versor inspect'.
   for (const char* fact :
        {"julia_version", vdbtools::kUpAxis, vdbtools::kLengthUnit, "julia_target_box", "julia_space_centre",
-        "julia_space_scale", "julia_shell", "julia_repair_moved", "julia_united_parts", "julia_origin_at",
-        "julia_thickness", "julia_alpha_range", "julia_beta_range", "julia_detail_law"})
+        "julia_space_scale", "julia_shell", "julia_repair_moved", "julia_united_parts", "julia_points_left_out",
+        "julia_origin_at", "julia_thickness", "julia_alpha_range", "julia_beta_range", "julia_detail_law"})
     if (const auto found = file.metadata.find(fact); found != file.metadata.end()) rest[fact] = found->second;
   if (!rest.empty()) info["metadata"] = rest;
   return info;

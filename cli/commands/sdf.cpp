@@ -3,6 +3,7 @@
 
 #include "exit_code.h"
 #include "grid_file.h"
+#include "left_out_text.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
@@ -72,7 +73,7 @@ void makeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const Fram
     report().text() << "repaired: gaps up to " << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)
                     << " closed, the surface moved by at most "
                     << vdbtools::shortText(*result.moved, vdbtools::Rounding::Up) << '\n';
-  report().text() << unitedText(result.metadata);
+  report().text() << leftOutText(result.metadata) << unitedText(result.metadata);
 }
 
 }  // namespace

@@ -79,6 +79,26 @@ class Meshes(harness.CliTest):
         cases.append(("fractal", "bad_nan.obj", "-o", "x.vdb", *LOW))
         self.all_refused(BAD_DATA, cases, mentions="bad_")
 
+    def test_not_finite_and_not_used(self):
+        """Such points are left out, and said."""
+        points, faces = harness.sphere(2)
+        self.write("clean.obj", harness.obj((points, faces)))
+        self.write("lost.obj", "v nan 0 0\n" * 3 + harness.obj((points, [tuple(i + 3 for i in face) for face in faces])))
+        line = "3 points of the target are left out"
+        for words in (("sdf", "{}.obj", "-o", "{}.vdb", "--resolution", 24), ("fractal", "{}.obj", "--mesh", "{}.ply", *LOW)):
+            lost, clean = (self.ok(*(str(word).format(name) for word in words)) for name in ("lost", "clean"))
+            self.assertEqual(lost.count(line), 1, lost)
+            self.assertNotIn("left out", clean)
+        one, other = (harness.read_ply(self.bytes(f"{name}.ply")) for name in ("lost", "clean"))
+        self.assertEqual((one[0], one[1]), (other[0], other[1]))
+        self.assertEqual(self.info("lost.obj")["points left out, not finite"], 3)
+        self.assertNotIn("points left out, not finite", self.info("clean.obj"))
+        cloud = "".join("v {} {} {}\n".format(*point) for point in points)
+        self.write("cloud.obj", "v nan nan nan\n" + cloud)
+        self.assertIn("1 point of the target is left out",
+                      self.ok("fractal", "cloud.obj", "--points-radius", 0.5, "-o", "cloud.vdb", *LOW))
+        self.assertEqual(self.info("cloud.obj")["points"], len(points))
+
     def test_absurd_coordinates(self):
         """Of which no resolution makes voxels that a grid can have: the mesh is to blame."""
         points, faces = harness.sphere(1)

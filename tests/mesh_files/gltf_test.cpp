@@ -285,6 +285,26 @@ void expectRefused(const Json& json, const std::string& why) {
   }
 }
 
+TEST(Gltf, PointsThatNoTriangleUsesNeedNotBeFinite) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::string lost = packedNumbers<float>({nan, 0, 0, 0, nan, 1});
+  const auto with = [&](const std::string& indices) {
+    Json json = tetrahedron();
+    json["buffers"][0] = {
+        {"byteLength", 84},
+        {"uri", "data:application/octet-stream;base64," + base64(kTetrahedron.substr(0, 48) + lost + indices)}};
+    json["bufferViews"] = {{{"buffer", 0}, {"byteLength", 72}},
+                           {{"buffer", 0}, {"byteOffset", 72}, {"byteLength", 12}}};
+    json["accessors"][0]["count"] = 6;
+    return json;
+  };
+  const Mesh clean = readJson(tetrahedron()), mesh = readJson(with(kTetrahedron.substr(48)));
+  EXPECT_EQ(mesh.points, clean.points);
+  EXPECT_EQ(mesh.triangles, clean.triangles);
+  EXPECT_EQ(mesh.pointsLeftOut, 2U);
+  expectRefused(with(packedNumbers<std::uint8_t>({0, 2, 1, 0, 1, 3, 1, 2, 5, 2, 0, 3})), "point 5");
+}
+
 TEST(Gltf, NodesPlaceTheirMeshes) {
   Json json = tetrahedron();
   const double half = std::sqrt(0.5);

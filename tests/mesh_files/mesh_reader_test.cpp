@@ -3,7 +3,9 @@
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/number_text.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/point_cloud.h"
 
 #include <gtest/gtest.h>
 
@@ -519,9 +521,15 @@ TEST(ReadMesh, RefusesIndicesOutOfRange) {
 
 TEST(ReadMesh, RefusesCoordinatesThatAreNotFinite) {
   for (const std::string bad : {"nan", "inf", "-INF", "1e400", "0x10", "1,5", "1.0f"}) {
-    const std::string three = "1 " + bad + " 0\n";
-    EXPECT_REFUSED("a.obj", "v 0 0 0\nv 1 0 0\nv " + three + "f 1 2 3\n", bad);
-    EXPECT_REFUSED("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n" + three + "3 0 1 2\n", bad);
+    const std::string three = "1 " + bad + " 0\n", obj = "v 0 0 0\nv 1 0 0\nv " + three + "f 1 2 3\n",
+                      off = "OFF\n3 1 0\n0 0 0\n1 0 0\n" + three + "3 0 1 2\n";
+    if (vdbtools::numberFromText(bad)) {
+      EXPECT_REFUSED("a.obj", obj, "vertex 3: the coordinate y is ");  // OBJ counts from 1
+      EXPECT_REFUSED("a.off", off, "vertex 2: the coordinate y is ");
+    } else {
+      EXPECT_REFUSED("a.obj", obj, bad);
+      EXPECT_REFUSED("a.off", off, bad);
+    }
     EXPECT_REFUSED("a.stl",
                    "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex " + three +
                        "endloop\nendfacet\nendsolid\n",
@@ -544,6 +552,71 @@ TEST(ReadMesh, RefusesCoordinatesThatAreNotFinite) {
                  "solid\nfacet\nouter loop\nvertex 0 0 1e39\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
                  "endsolid\n",
                  "1e39");
+}
+
+/// The same mesh with points in between that no triangle uses and that are not finite.
+Mesh withLostPoints(const Mesh& mesh, std::size_t& lost) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const Vec3d bad[] = {{nan, nan, nan}, {1, nan, 2}, {infinity, 0, 0}, {0, 0, -infinity}};
+  Mesh result;
+  std::vector<std::uint32_t> places;
+  lost = 0;
+  for (std::size_t p = 0; p <= mesh.points.size(); ++p) {
+    for (std::size_t i = 0; i < p % 4; ++i) result.points.push_back(bad[lost++ % std::size(bad)]);
+    places.push_back(static_cast<std::uint32_t>(result.points.size()));
+    if (p < mesh.points.size()) result.points.push_back(mesh.points[p]);
+  }
+  for (const Vec3I& t : mesh.triangles) result.triangles.emplace_back(places[t[0]], places[t[1]], places[t[2]]);
+  return result;
+}
+
+TEST(ReadMesh, PointsThatNoFaceUsesNeedNotBeFinite) {
+  const Mesh clean = makeSphere(1, 2);
+  std::size_t lost = 0;
+  const Mesh mesh = withLostPoints(clean, lost);
+  ASSERT_GT(lost, 100U);
+  const TemporaryFolder folder;
+  for (const auto& [name, contents] : {std::pair<std::string, std::string>{"a.obj", asObj(mesh)},
+                                       {"a.off", asOff(mesh)},
+                                       {"text.ply", asTextPly(mesh)},
+                                       {"little.ply", asBinaryPly<double>(mesh, false)},
+                                       {"big.ply", asBinaryPly<double>(mesh, true)}}) {
+    const Mesh read = readMesh(folder.write(name, contents));
+    EXPECT_EQ(read.points, clean.points) << name;
+    EXPECT_EQ(read.triangles, clean.triangles) << name;
+    EXPECT_EQ(read.pointsLeftOut, lost) << name;
+  }
+  EXPECT_EQ(readMesh(folder.write("clean.obj", asObj(clean))).pointsLeftOut, 0U);
+}
+
+TEST(ReadMesh, LostPointsTakeTheirAttributesWithThem) {
+  const TemporaryFolder folder;
+  const Mesh ply =
+      readMesh(folder.write("a.ply",
+                            "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+                            "property float z\nproperty float s\nproperty float t\nproperty float wet\n"
+                            "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                            "0 0 0 0 1 5\nnan 0 0 9 9 9\n1 0 0 2 3 6\n0 inf 0 9 9 9\n0 1 0 4 5 7\n3 0 2 4\n"));
+  ASSERT_EQ(ply.attributes.size(), 1U);
+  EXPECT_EQ(ply.attributes[0].values, (std::vector<float>{5, 6, 7}));
+  EXPECT_EQ(ply.cornerUvs, (std::vector<openvdb::Vec2s>{{0, 1}, {2, 3}, {4, 5}}));
+  const Mesh obj = readMesh(folder.write(
+      "a.obj", "v nan 0 0 0.5 0.5 0.5\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 0 0 inf\nf 2 3 4\n"));
+  ASSERT_EQ(obj.attributes.size(), 3U);
+  EXPECT_EQ(obj.attributes[1].values, (std::vector<float>{0, 1, 0}));
+}
+
+TEST(ReadMesh, ACloudMayHavePlacesWithoutAPoint) {
+  const Mesh clean = makeSphere(1, 2);
+  std::size_t lost = 0;
+  Mesh cloud = withLostPoints(clean, lost);
+  cloud.triangles.clear();
+  const TemporaryFolder folder;
+  const Mesh read = vdbtools::readPoints(folder.write("a.ply", asBinaryPly<double>(cloud, false)));
+  EXPECT_EQ(read.points, clean.points);
+  EXPECT_EQ(read.triangles.size(), clean.points.size());
+  EXPECT_EQ(read.pointsLeftOut, lost);
+  EXPECT_THROW(vdbtools::readPoints(folder.write("none.obj", "v nan nan nan\nv nan nan nan\n")), DataError);
 }
 
 TEST(ReadMesh, TinyNumbersAreNumbers) {

@@ -43,8 +43,9 @@ OptionTable sdfOptionTable() {
   std::vector<OptionSpec> options = {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
-       .help = "the mesh: .obj, .ply, .stl, .off, .glb or .gltf; with --points-radius a cloud of points; or a VDB, "
-               "whose level set gets a band of another width",
+       .help =
+           "the mesh: .obj, .ply, .stl, .off, .glb or .gltf; with --points-radius a cloud of points; or a VDB, "
+           "whose level set gets a band of another width",
        .hash = "source-sha256"},
       {.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
       {.name = "resolution",
@@ -101,6 +102,7 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   describe(options, source.box, result);
   if (sdf.moved) result.metadata["julia_repair_moved"] = numbersText({*sdf.moved});
   if (sdf.united > 0) result.metadata[kUnitedParts] = std::to_string(sdf.united);
+  if (source.mesh->pointsLeftOut > 0) result.metadata[kPointsLeftOut] = std::to_string(source.mesh->pointsLeftOut);
   return result;
 }
 

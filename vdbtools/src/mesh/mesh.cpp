@@ -111,6 +111,7 @@ Mesh weldMesh(const Mesh& mesh) {
   const bool hasNormals = mesh.normals.size() == mesh.points.size();
   const bool hasUvs = !mesh.cornerUvs.empty();
   Mesh result;
+  result.pointsLeftOut = mesh.pointsLeftOut;
   for (const VertexAttribute& attribute : mesh.attributes) result.attributes.push_back({attribute.name, {}});
   PositionTable places(result.points, mesh.points.size());
   for (std::size_t p = 0; p < mesh.points.size(); ++p) {

@@ -3,6 +3,7 @@
 #include "mesh_files/format_readers.h"
 #include "mesh_files/gltf_file.h"
 #include "mesh_files/gltf_pose.h"
+#include "mesh_files/usable_points.h"
 
 #include <nlohmann/json.hpp>
 
@@ -66,8 +67,9 @@ std::vector<Placement> instancesOf(const GltfFile& file, const Json& node) {
 class JoinedMesh {
  public:
   /// @param fileSize  bytes
-  JoinedMesh(const GltfFile& file, std::uint64_t fileSize)
-      : mFile(file),
+  JoinedMesh(const std::filesystem::path& path, const GltfFile& file, std::uint64_t fileSize)
+      : mPath(path),
+        mFile(file),
         mMost(std::min<std::uint64_t>(fileSize + kMostRepeated, std::numeric_limits<std::uint32_t>::max())) {}
 
   /// @param weights, joints  as in GltfShape
@@ -89,15 +91,14 @@ class JoinedMesh {
     mMorphed += shape.count() * shape.morphs();
     requireRoom(mMorphed / kMostMorphsOfPoint, 0);
     const std::size_t first = mMesh.points.size();
-    for (std::uint64_t i = 0; i < shape.count(); ++i) {
-      const Vec3d p = shape.point(i);
-      if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
-        mFile.fail("point " + std::to_string(i) + " of a mesh has coordinates that are not finite");
-      mMesh.points.push_back(p);
-    }
+    for (std::uint64_t i = 0; i < shape.count(); ++i) mMesh.points.push_back(shape.point(i));
     const std::vector<std::uint32_t> corners = cornersOf(primitive, shape.count());
     const std::size_t firstTriangle = mMesh.triangles.size();
     addTriangles(corners, mode == kStrip, mode == kFan, static_cast<std::uint32_t>(first), shape.mirrors());
+    for (std::size_t t = firstTriangle; t < mMesh.triangles.size(); ++t)
+      for (int k = 0; k < 3; ++k)
+        if (const std::uint32_t corner = mMesh.triangles[t][k]; !mMesh.points[corner].isFinite())
+          mFile.fail("point " + std::to_string(corner - first) + " of a mesh has coordinates that are not finite");
     addAttributes(*attributes, first, shape.count());
     addUvs(*attributes, first, firstTriangle, shape.count());
   }
@@ -106,6 +107,7 @@ class JoinedMesh {
     for (VertexAttribute& attribute : mMesh.attributes)
       attribute.values.resize(mMesh.points.size(), gap(attribute.name));
     if (!mMesh.cornerUvs.empty()) mMesh.cornerUvs.resize(3 * mMesh.triangles.size(), openvdb::Vec2s(kNoNumber));
+    leaveOutUnusable(mPath, mMesh);
     return std::move(mMesh);
   }
 
@@ -199,6 +201,7 @@ class JoinedMesh {
   /// On average over all points, of those in use.
   static constexpr std::uint64_t kMostMorphsOfPoint = 16;
 
+  const std::filesystem::path& mPath;
   const GltfFile& mFile;
   std::uint64_t mMost;         ///< points, and triangles
   std::uint64_t mMorphed = 0;  ///< points times the morph targets that move them
@@ -234,7 +237,7 @@ std::vector<std::uint64_t> rootsOf(const GltfFile& file) {
 Mesh readGltf(const std::filesystem::path& path, std::string_view contents, const std::optional<MeshMoment>& moment) {
   const GltfFile file(path, contents);
   const GltfPose pose(file, moment);
-  JoinedMesh joined(file, contents.size());
+  JoinedMesh joined(path, file, contents.size());
   std::vector<std::pair<std::uint64_t, Placement>> open;
   for (const std::uint64_t root : rootsOf(file)) open.emplace_back(root, Placement());
   std::reverse(open.begin(), open.end());

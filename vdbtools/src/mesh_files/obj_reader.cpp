@@ -3,6 +3,7 @@
 #include "mesh_files/face_names.h"
 #include "mesh_files/format_readers.h"
 #include "mesh_files/text_scan.h"
+#include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"
 
 #include <algorithm>
@@ -112,6 +113,8 @@ class ObjReader {
     for (VertexAttribute& channel : mMesh.attributes) channel.values.resize(mMesh.points.size(), kNoColour);
     mNames.addAttributes(mPath, mPolygons, mMesh);
     mPolygons.triangulate(mMesh, mUvs);
+    constexpr std::uint64_t kFirst = 1;
+    leaveOutUnusable(mPath, mMesh, kFirst);
     return std::move(mMesh);
   }
 

@@ -2,6 +2,7 @@
 #include "mesh/polygon.h"
 #include "mesh_files/format_readers.h"
 #include "mesh_files/text_scan.h"
+#include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 
@@ -84,6 +85,7 @@ Mesh readOff(const std::filesystem::path& path, std::string_view contents) {
     }
     triangulatePolygon(face, mesh.points, mesh.triangles);
   }
+  leaveOutUnusable(path, mesh);
   return mesh;
 }
 

@@ -2,6 +2,7 @@
 #include "mesh/polygon.h"
 #include "mesh_files/format_readers.h"
 #include "mesh_files/text_scan.h"
+#include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 
@@ -316,10 +317,6 @@ void readVertices(BodyReader& body, const Element& element, Mesh& mesh) {
         continue;
       }
       point[slot.axis] = body.next(p.type);
-      if (!std::isfinite(point[slot.axis])) {
-        body.fail("the coordinate " + p.name + " is " + std::to_string(point[slot.axis]) +
-                  "; repair the mesh and export it again");
-      }
     }
     mesh.points.push_back(point);
   }
@@ -497,6 +494,7 @@ Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
     for (const openvdb::Vec3I& t : mesh.triangles)
       for (int c = 0; c < 3; ++c) mesh.cornerUvs.push_back(vertexUvs[t[c]]);
   }
+  leaveOutUnusable(path, mesh);
   return mesh;
 }
 

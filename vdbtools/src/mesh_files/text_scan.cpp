@@ -47,12 +47,17 @@ void LineScanner::fail(const std::string& what) const {
   throw DataError(mPath.string() + ", line " + std::to_string(mLineNumber) + ": " + what);
 }
 
-double LineScanner::number(std::string_view word) const {
+double LineScanner::anyNumber(std::string_view word) const {
   const auto value = numberFromText(word);
   if (!value)
     fail(shown(word) + " stands where a number is expected; the file is damaged or truncated: export it again");
-  if (!std::isfinite(*value)) fail("the number " + shown(word) + " is not finite; repair the mesh and export it again");
   return *value;
+}
+
+double LineScanner::number(std::string_view word) const {
+  const double value = anyNumber(word);
+  if (!std::isfinite(value)) fail("the number " + shown(word) + " is not finite; repair the mesh and export it again");
+  return value;
 }
 
 long long LineScanner::integer(std::string_view word) const {
@@ -65,7 +70,7 @@ long long LineScanner::integer(std::string_view word) const {
 
 openvdb::Vec3d LineScanner::point(WordScanner& words) const {
   openvdb::Vec3d point;
-  for (int axis = 0; axis < 3; ++axis) point[axis] = number(words.next());
+  for (int axis = 0; axis < 3; ++axis) point[axis] = anyNumber(words.next());
   return point;
 }
 

@@ -50,10 +50,13 @@ class LineScanner {
   /// A whole number. @throw DataError
   long long integer(std::string_view word) const;
 
-  /// The next three words as finite coordinates. @throw DataError
+  /// The next three words as coordinates, which may be not finite (usable_points.h). @throw DataError
   openvdb::Vec3d point(WordScanner& words) const;
 
  private:
+  /// A number, finite or not. @throw DataError
+  double anyNumber(std::string_view word) const;
+
   const std::filesystem::path& mPath;
   std::string_view mRest;
   std::size_t mLineNumber = 0;

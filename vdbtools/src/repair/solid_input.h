@@ -18,6 +18,8 @@ namespace vdbtools {
 
 /// Metadata of a file: the shape's box, six numbers, world units.
 inline constexpr const char* kTargetBox = "julia_target_box";
+/// Metadata of a file, and a fact of a job: Mesh::pointsLeftOut of the target, if it is not 0.
+inline constexpr const char* kPointsLeftOut = "julia_points_left_out";
 
 std::string boxText(const openvdb::BBoxd& box);
 

@@ -34,6 +34,8 @@ struct Mesh {
   /// Texture coordinates: three for each triangle, one per corner, because the triangles at a point on a seam have
   /// different ones there. NaN at a corner without any; empty if the mesh has none.
   std::vector<openvdb::Vec2s> cornerUvs{};
+  /// The points of its file that a reader left out, because their coordinates are not finite and no triangle uses them.
+  std::uint64_t pointsLeftOut = 0;
 };
 
 /// Properties of a mesh. Edges are identified by the indices of their points, so in a soup whose triangles share no
