@@ -1,14 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pipes and recipes: meshes from the standard input and to the standard output, and recipes as files of their own."""
 
+import base64
 import json
 import os
+import struct
 import subprocess
 
 import harness
 from harness import BAD_DATA, DONE, IO_ERROR, NO_INPUT, USAGE
 
 LOW = ("--resolution", 24, "--sdf-resolution", 24)
+
+
+def gltf(mesh):
+    points, faces = mesh
+    data = b"".join(struct.pack("<3f", *point) for point in points) + b"".join(struct.pack("<3I", *face) for face in faces)
+    split = 12 * len(points)
+    return json.dumps({
+        "asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3"},
+                      {"bufferView": 1, "componentType": 5125, "count": 3 * len(faces), "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteLength": split},
+                        {"buffer": 0, "byteOffset": split, "byteLength": len(data) - split}],
+        "buffers": [{"byteLength": len(data),
+                     "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]})
 
 
 class PipeTest(harness.CliTest):
@@ -36,17 +53,40 @@ class PipeTest(harness.CliTest):
 
 class Inputs(PipeTest):
 
+    def write_all_formats(self):
+        """@return names of the mesh in all formats that can be piped"""
+        self.write("b.stl", harness.stl(self.mesh))
+        self.write("b.off", "# a comment\n\n" + harness.off(self.mesh))
+        self.write("text.stl", " Solid of a test\n" + "".join(
+            "facet\nouter loop\n" + "".join(f"vertex {x!r} {y!r} {z!r}\n" for x, y, z in triangle) + "endloop\nendfacet\n"
+            for triangle in self.surface((*self.mesh, None))) + "endsolid\n")
+        self.write("b.gltf", gltf(self.mesh))
+        self.ok("fractal", "b.obj", "--mesh", "b.glb", *LOW)
+        names = ["b.obj", "b.ply", "b.stl", "text.stl", "b.off", "b.gltf", "b.glb"]
+        return names
+
     def test_a_pipe_is_as_good_as_a_file(self):
-        for name in ("b.obj", "b.ply"):
+        for name in self.write_all_formats():
             with self.subTest(name=name):
                 told = json.loads(self.piped(name, "info", "-", "--json"))
                 known = json.loads(self.ok("info", name, "--json", data=True))
                 self.assertEqual(told.pop("file"), "-")
                 known.pop("file")
                 self.assertEqual(told, known)
+                if name not in ("b.obj", "b.glb"):
+                    continue
                 self.piped(name, "fractal", "-", "--mesh", "piped.ply", "-o", "piped.vdb", *LOW)
                 self.ok("fractal", name, "--mesh", "named.ply", "-o", "named.vdb", *LOW)
                 self.assertEqual(*(self.surface(harness.read_ply(self.bytes(each))) for each in ("piped.ply", "named.ply")))
+
+    def test_a_pipe_brings_no_other_files(self):
+        content = json.loads(gltf(self.mesh))
+        buffer, = content["buffers"]
+        self.write("b.bin", base64.b64decode(buffer["uri"].split(",")[1]))
+        buffer["uri"] = "b.bin"
+        self.write("two.gltf", json.dumps(content))
+        self.ok("info", "two.gltf", data=True)
+        self.check_refusal(self.fed("two.gltf", "info", "-"), BAD_DATA, "info - < two.gltf")
 
     def test_an_ordinary_file_is_one_from_its_beginning(self):
         with open(self.path("b.obj"), "rb") as source:

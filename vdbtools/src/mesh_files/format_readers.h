@@ -13,12 +13,20 @@
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh_files/mesh_animation.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <optional>
 #include <string_view>
 
 namespace vdbtools {
+
+/// Whether the bytes begin as an OFF does, after comments.
+bool beginsAsOff(std::string_view head);
+/// Whether a file is STL, text or binary.
+/// @param head  its first bytes, 84 or more if it has as many
+/// @param size  of the whole file, which marks a binary one
+bool isStl(std::string_view head, std::uintmax_t size);
 
 /// The value of an attribute at a point or a corner for which the file gives none.
 inline constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();

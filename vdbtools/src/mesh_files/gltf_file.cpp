@@ -5,6 +5,7 @@
 #include "base/percent_decoded.h"
 #include "mesh_files/glb_format.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/files/standard_streams.h"
 
 #include <nlohmann/json.hpp>
 
@@ -224,6 +225,8 @@ std::string GltfFile::readExternal(const std::string& uri) const {
   for (const std::filesystem::path& part : name) inside = inside && part != "..";
   if (!inside || name.empty() || name.native().find('\0') != std::string::npos)
     fail("a buffer is in '" + inOneLine(uri) + "'; only files beside it, or in folders there, are read");
+  if (isStandardInput(mPath))
+    fail("its buffer '" + inOneLine(uri) + "' is another file, which a pipe does not bring; send a .glb");
   const std::filesystem::path file = mPath.parent_path() / name;
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
@@ -351,7 +354,7 @@ std::map<std::string, std::string> readGltfExtras(const std::filesystem::path& p
   std::map<std::string, std::string> texts;
   char head[glb::kFileHead + glb::kChunkHead] = {};
   std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  const std::uintmax_t size = std::filesystem::file_size(pathToOpen(path), error);
   const auto read = [&](char* to, std::size_t bytes) {
     file.read(to, static_cast<std::streamsize>(bytes));
     if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");

@@ -4,6 +4,7 @@
 #include "base/json_text.h"
 #include "julia/elementary.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <nlohmann/json.hpp>
 
@@ -357,7 +358,7 @@ Vec3d GltfShape::point(std::uint64_t i) const {
 }
 
 bool isGltfPath(const std::filesystem::path& path) {
-  const std::string extension = lowerExtension(path);
+  const std::string extension = meshExtension(path);
   return extension == ".glb" || extension == ".gltf";
 }
 

@@ -2,6 +2,7 @@
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "mesh_files/format_readers.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/utf8.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
 #include "vdbtools/mesh/mesh.h"
@@ -19,8 +20,9 @@ std::string contentsOf(const std::filesystem::path& path) {
   if (!std::filesystem::exists(status)) throw MissingInputError(path.string() + ": no such file; check its name");
   if (!std::filesystem::is_regular_file(status)) {
     throw MissingInputError(path.string() + ": this is " +
-                            (std::filesystem::is_directory(status) ? "a folder" : "not an ordinary file") +
-                            "; name a mesh file");
+                            (std::filesystem::is_directory(status)
+                                 ? "a folder; name a mesh file"
+                                 : "not an ordinary file; name a mesh file, or '-' for the standard input"));
   }
   return readWholeFile(path);
 }
@@ -47,14 +49,31 @@ Mesh readAny(const std::filesystem::path& path, const std::optional<MeshMoment>&
   return reader == readStl ? weldMesh(mesh) : mesh;
 }
 
+constexpr std::size_t kHeadSize = 1 << 16;  ///< bytes; comments may precede what tells a format apart
+
+/// @param head  the first bytes of a file
+/// @param size  of the whole file
+std::string extensionByContent(std::string_view head, std::uintmax_t size) {
+  if (head.starts_with("glTF")) return ".glb";
+  if (isStl(head, size)) return ".stl";
+  if (head.starts_with("ply")) return ".ply";
+  const std::string_view text = withoutByteOrderMark(head);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && text[first] == '{') return ".gltf";
+  return beginsAsOff(head) ? ".off" : ".obj";
+}
+
 }  // namespace
 
 std::string meshExtension(const std::filesystem::path& path) {
   if (!isStandardInput(path)) return lowerExtension(path);
-  constexpr std::string_view kPly = "ply";
-  char first[kPly.size()] = {};
-  openToRead(path).read(first, sizeof first);
-  return std::string_view(first, sizeof first) == kPly ? ".ply" : ".obj";
+  std::string head(kHeadSize, '\0');
+  std::ifstream stream = openToRead(path);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(pathToOpen(path), error);
+  return extensionByContent(head, error ? 0 : size);
 }
 
 Mesh readMesh(const std::filesystem::path& path) { return readMesh(path, std::nullopt); }

@@ -17,12 +17,17 @@ struct Counts {
   long long points = 0, faces = 0;
 };
 
+/// OFF, or with the letters before it that announce colours, normals and texture coordinates.
+bool isOffKeyword(std::string_view word) {
+  return word.ends_with("OFF") && word.find_first_not_of("STCNOF") == std::string_view::npos;
+}
+
 Counts readCounts(const std::filesystem::path& path, LineScanner& lines) {
   auto line = lines.nextMeaningful();
   if (!line) throw DataError(path.string() + ": it holds nothing but comments; export the mesh again");
   WordScanner header(*line);
   const std::string_view keyword = header.next();
-  if (!keyword.ends_with("OFF") || keyword.find_first_not_of("STCNOF") != std::string_view::npos) {
+  if (!isOffKeyword(keyword)) {
     lines.fail("the file begins with " + shown(keyword) +
                " and not with OFF, COFF, NOFF or STOFF; export the mesh as OBJ, PLY or STL");
   }
@@ -51,6 +56,12 @@ Counts readCounts(const std::filesystem::path& path, LineScanner& lines) {
 }
 
 }  // namespace
+
+bool beginsAsOff(std::string_view head) {
+  const std::filesystem::path noName;
+  const auto line = LineScanner(noName, head).nextMeaningful();
+  return line && isOffKeyword(WordScanner(*line).next());
+}
 
 Mesh readOff(const std::filesystem::path& path, std::string_view contents) {
   LineScanner lines(path, contents);

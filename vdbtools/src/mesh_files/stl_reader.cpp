@@ -39,6 +39,19 @@ void addLastTriangle(Mesh& mesh) {
   mesh.triangles.emplace_back(first, first + 1, first + 2);
 }
 
+bool beginsAsText(std::string_view contents) {
+  const std::string_view text = withoutByteOrderMark(contents);
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  return begin != std::string_view::npos && lowerCase(text.substr(begin, 5)) == "solid";
+}
+
+/// Whether a binary file of that size has the triangles that its head announces. Some programs pad the end, but a whole
+/// additional facet is not padding.
+bool fitsFacets(std::size_t facets, std::uintmax_t size) {
+  const std::uintmax_t length = kHeaderSize + std::uintmax_t{facets} * kFacetSize;
+  return size >= length && size < length + kFacetSize;
+}
+
 /// Whether the file is binary. Binary STL may begin with the word that marks the text form, and in practice it does, so
 /// the length decides.
 bool isBinary(std::string_view contents) {
@@ -46,10 +59,7 @@ bool isBinary(std::string_view contents) {
       contents.size() == kHeaderSize + std::size_t{readUint32(contents, 80)} * kFacetSize) {
     return true;
   }
-  const std::string_view text = withoutByteOrderMark(contents);
-  const std::size_t begin = text.find_first_not_of(" \t\r\n");
-  const bool solid = begin != std::string_view::npos && lowerCase(text.substr(begin, 5)) == "solid";
-  return !solid || contents.find('\0') != std::string_view::npos;
+  return !beginsAsText(contents) || contents.find('\0') != std::string_view::npos;
 }
 
 Mesh readBinary(const std::filesystem::path& path, std::string_view contents) {
@@ -62,8 +72,7 @@ Mesh readBinary(const std::filesystem::path& path, std::string_view contents) {
   }
   const std::size_t facets = readUint32(contents, 80);
   const std::size_t length = kHeaderSize + facets * kFacetSize;
-  // Some programs pad the end, but a whole additional facet is not padding.
-  if (contents.size() < length || contents.size() >= length + kFacetSize) {
+  if (!fitsFacets(facets, contents.size())) {
     fail("the header announces " + std::to_string(facets) + " triangles, which take " + std::to_string(length) +
          " bytes, but the file has " + std::to_string(contents.size()) +
          "; it is damaged or truncated: export it again");
@@ -145,6 +154,10 @@ Mesh readText(const std::filesystem::path& path, std::string_view contents) {
 }
 
 }  // namespace
+
+bool isStl(std::string_view head, std::uintmax_t size) {
+  return (head.size() >= kHeaderSize && fitsFacets(readUint32(head, 80), size)) || beginsAsText(head);
+}
 
 Mesh readStl(const std::filesystem::path& path, std::string_view contents) {
   return isBinary(contents) ? readBinary(path, contents) : readText(path, contents);

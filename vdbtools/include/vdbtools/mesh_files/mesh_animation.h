@@ -27,7 +27,7 @@ Mesh readMesh(const std::filesystem::path& path, const std::optional<MeshMoment>
 /// The same for readPoints() (point_cloud.h).
 Mesh readPoints(const std::filesystem::path& path, const std::optional<MeshMoment>& moment);
 
-/// By the extension, .glb or .gltf.
+/// By meshExtension(), .glb or .gltf.
 bool isGltfPath(const std::filesystem::path& path);
 
 struct MeshAnimation {

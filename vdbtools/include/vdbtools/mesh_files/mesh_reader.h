@@ -13,8 +13,8 @@
 
 namespace vdbtools {
 
-/// The format of a mesh as an extension in lower case: that of the name, or ".ply" or ".obj" by the first bytes of the
-/// standard input (standard_streams.h), which has no name.
+/// The format of a mesh as an extension in lower case: that of the name, or by the content of the standard input
+/// (standard_streams.h), which has no name. What is not recognised is an ".obj".
 /// @throw as openToRead()
 std::string meshExtension(const std::filesystem::path& path);
 
