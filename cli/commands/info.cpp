@@ -40,10 +40,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr Usage kInfoUsage = {
     "info", "FILE... [--json]",
-    "Shows what is in a mesh (.obj, .ply, .stl, .off, .glb, .gltf), in a VDB, with the recipe it was made by, in a "
-    "NanoVDB file (.nvdb), all of whose checksums and places of nodes are checked, in a versor (.json, .p4d, .poly4d, "
-    ".o3d), or in a recipe (.json). A file that cannot be read does not keep the others from being shown. A mesh may "
-    "come through a pipe, with - for its name.",
+    "Shows what is in a mesh (.obj, .ply, .stl, .off, .3mf, .glb, .gltf), in a VDB, with the recipe it was made by, "
+    "in a NanoVDB file (.nvdb), all of whose checksums and places of nodes are checked, in a versor (.json, .p4d, "
+    ".poly4d, .o3d), or in a recipe (.json). A file that cannot be read does not keep the others from being shown. A "
+    "mesh may come through a pipe, with - for its name.",
     "  juliavdb info bunny.obj\n"
     "  juliavdb info bunny.vdb --json\n"
     "  juliavdb info bunny.nvdb\n"};

@@ -221,6 +221,21 @@ class Makers(harness.CliTest):
         item, = model.iter(f"{CORE}item")
         self.assertEqual([o.get("id") for o in model.iter(f"{CORE}object")], [item.get("objectid")])
 
+    def test_a_3mf_is_a_target_again(self):
+        for words in (("print", "s.obj", "-o", "p.3mf", "--size", 40), ("info", "p.3mf")):
+            run = self.run_program(*words)
+            if b"libzip" in run.stderr or b"libexpat" in run.stderr:
+                self.skipTest("this build cannot read 3MF")
+        self.ok("print", "s.obj", "-o", "p.ply", "--size", 40)
+        told, known = self.info("p.3mf"), self.info("p.ply")
+        for name in ("points", "triangles", "closed"):
+            self.assertEqual(told[name], known[name], name)
+        self.assertEqual(told["unit"], "mm")
+        self.assertAlmostEqual(told["volume"], known["volume"], delta=1e-4 * known["volume"])
+        self.ok("sdf", "p.3mf", "-o", "p.vdb", "--resolution", 24)
+        self.assertEqual(self.info("p.vdb")["metadata"]["julia_length_unit"], "mm")
+        self.refused(USAGE, "sdf", "p.3mf", "-o", "p.vdb", "--resolution", 24, "--units", "in", mentions=("mm", "p.3mf"))
+
     def test_what_it_says_is_what_was_made(self):
         said = self.ok("print", "s.obj", "-o", "p.ply", "--size", 40, "--flat-base", 4, "--resolution", 40)
         mesh = self.closed("p.ply")

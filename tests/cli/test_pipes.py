@@ -63,6 +63,9 @@ class Inputs(PipeTest):
         self.write("b.gltf", gltf(self.mesh))
         self.ok("fractal", "b.obj", "--mesh", "b.glb", *LOW)
         names = ["b.obj", "b.ply", "b.stl", "text.stl", "b.off", "b.gltf", "b.glb"]
+        if b"libzip" not in self.run_program("print", "b.obj", "-o", "b.3mf", "--size", 50, "--resolution", 24).stderr:
+            if b"libexpat" not in self.run_program("info", "b.3mf").stderr:
+                names.append("b.3mf")
         return names
 
     def test_a_pipe_is_as_good_as_a_file(self):

@@ -44,7 +44,7 @@ OptionTable sdfOptionTable() {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
        .help =
-           "the mesh: .obj, .ply, .stl, .off, .glb or .gltf; with --points-radius a cloud of points; or a VDB, "
+           "the mesh: .obj, .ply, .stl, .off, .3mf, .glb or .gltf; with --points-radius a cloud of points; or a VDB, "
            "whose level set gets a band of another width",
        .hash = "source-sha256"},
       {.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},

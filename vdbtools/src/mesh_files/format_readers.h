@@ -4,10 +4,10 @@
 /// if the format has it, and checks every count and index against the file's content before using it. An error in a
 /// text file names the line.
 ///
-/// No library is used here. OpenMesh's readers (9.0) skip vertex lines that they cannot parse, so that all later
-/// indices refer to wrong points; they read a word that is not a number as 0, loop forever on a truncated header,
-/// reserve as much as a header requests, read coordinates in single precision, and open other files that the file
-/// names.
+/// Only 3MF and compressed glTF use libraries, for their zip, XML and compression. OpenMesh's readers (9.0) skip vertex
+/// lines that they cannot parse, so that all later indices refer to wrong points; they read a word that is not a number
+/// as 0, loop forever on a truncated header, reserve as much as a header requests, read coordinates in single
+/// precision, and open other files that the file names.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace vdbtools {
@@ -40,6 +41,10 @@ Mesh readGltf(const std::filesystem::path& path, std::string_view contents,
 Mesh readObj(const std::filesystem::path& path, std::string_view contents);
 Mesh readOff(const std::filesystem::path& path, std::string_view contents);
 Mesh readPly(const std::filesystem::path& path, std::string_view contents);
+/// Reads what is built, at its places; not supports, nor objects that nothing is built of.
+Mesh read3mf(const std::filesystem::path& path, std::string_view contents);
+/// The unit of a 3MF as nameOf() has it (length_unit.h); empty if it is another one. @throw DataError
+std::string unitOf3mf(const std::filesystem::path& path, std::string_view contents);
 /// Reads text or binary. Each facet has its own corners; see weldMesh().
 Mesh readStl(const std::filesystem::path& path, std::string_view contents);
 

@@ -36,10 +36,11 @@ Mesh readAny(const std::filesystem::path& path, const std::optional<MeshMoment>&
                       : extension == ".off" ? readOff
                       : extension == ".ply" ? readPly
                       : extension == ".stl" ? readStl
+                      : extension == ".3mf" ? read3mf
                                             : nullptr;
   if (!reader && !isGltf) {
     throw DataError(path.string() + ": the format '" + extension +
-                    "' cannot be read; name a file that ends in .obj, .ply, .stl, .off, .glb or .gltf");
+                    "' cannot be read; name a file that ends in .obj, .ply, .stl, .off, .3mf, .glb or .gltf");
   }
   if (contents.empty()) throw DataError(path.string() + ": the file is empty (0 bytes); export the mesh again");
 
@@ -55,6 +56,7 @@ constexpr std::size_t kHeadSize = 1 << 16;  ///< bytes; comments may precede wha
 /// @param size  of the whole file
 std::string extensionByContent(std::string_view head, std::uintmax_t size) {
   if (head.starts_with("glTF")) return ".glb";
+  if (head.starts_with("PK")) return ".3mf";
   if (isStl(head, size)) return ".stl";
   if (head.starts_with("ply")) return ".ply";
   const std::string_view text = withoutByteOrderMark(head);

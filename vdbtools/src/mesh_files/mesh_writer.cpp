@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh_files/mesh_writer.h"
 
+#include "mesh_files/format_readers.h"
 #include "mesh_files/gltf_file.h"
 #include "mesh_files/mesh_comments.h"
 #include "mesh_files/mesh_encoder.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/length_unit.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 
@@ -238,10 +240,25 @@ void MeshStreamWriter::finish() {
 
 const std::vector<MeshLevel>& MeshStreamWriter::levels() const { return mState->encoder.levels(); }
 
+namespace {
+
+/// Empty, too, if the file is broken, which readMesh() will say.
+std::map<std::string, std::string> unitIn3mf(const std::filesystem::path& path) {
+  try {
+    const std::string unit = unitOf3mf(path, readWholeFile(path));
+    if (!unit.empty()) return {{kLengthUnit, unit}};
+  } catch (const DataError&) {
+  }
+  return {};
+}
+
+}  // namespace
+
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path) {
   std::ifstream file = openToRead(path);
   const std::string extension = meshExtension(path);
   if (extension == ".glb") return readGltfExtras(path);
+  if (extension == ".3mf") return unitIn3mf(path);
   std::map<std::string, std::string> comments = readMeshComments(file, extension);
   if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
   return comments;

@@ -3,7 +3,7 @@
 /// The room `mesh_files` reads and writes the files of meshes: OBJ, PLY, STL, OFF, glTF and 3MF. It uses the rooms up
 /// to `decimation`, which makes the levels of detail in a GLB.
 ///
-/// This header reads meshes in any of these formats but 3MF.
+/// This header reads meshes in any of these formats.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -18,13 +18,15 @@ namespace vdbtools {
 /// @throw as openToRead()
 std::string meshExtension(const std::filesystem::path& path);
 
-/// Reads OBJ, PLY, STL, OFF or glTF (.glb, .gltf), according to meshExtension(). Polygons are split
-/// into triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept; STL and
-/// glTF are welded. Coordinates are read in double precision, except those of STL and glTF, which are floats. In OBJ,
-/// corners that a face repeats are dropped. A PLY may have triangle strips in the place of faces. In glTF, all
-/// triangles of the default scene are joined, in the positions given by their nodes, skins and morph targets as they
-/// stand in the file (mesh_animation.h plays animations); instances (EXT_mesh_gpu_instancing) as often as they occur.
-/// Materials are ignored, and a .gltf may only name buffers in its own folder.
+/// Reads OBJ, PLY, STL, OFF, glTF (.glb, .gltf) or 3MF, according to meshExtension(). Polygons are split into
+/// triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept, except those
+/// whose coordinates are not finite (Mesh::pointsLeftOut); STL and glTF are welded. Coordinates are read in double
+/// precision, except those of STL and glTF, which are floats. In OBJ, corners that a face repeats are dropped. A PLY
+/// may have triangle strips in the place of faces. In glTF, all triangles of the default scene are joined, in the
+/// positions given by their nodes, skins and morph targets as they stand in the file (mesh_animation.h plays
+/// animations); instances (EXT_mesh_gpu_instancing) as often as they occur. Materials are ignored, and a .gltf may only
+/// name buffers in its own folder. In 3MF, the items of the build are joined, in the file's unit; supports are left
+/// out.
 ///
 /// The attributes of a PLY are all scalar properties of the vertices except x, y, z, nx, ny, nz and texture
 /// coordinates; integers that are colour channels (red, green, blue, alpha) are scaled to 0..1. Those of an OBJ are

@@ -132,8 +132,8 @@ class MeshStreamWriter final : public MeshSink {
   std::unique_ptr<State> mState;
 };
 
-/// The comments of a PLY, OBJ or GLB written by this project, and the unit in the title of an STL; empty for any other
-/// file.
+/// The comments of a PLY, OBJ or GLB written by this project, the unit in the title of its STL, and the unit of any
+/// 3MF; empty for any other file.
 /// @throw MissingInputError, IoError
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path);
 

@@ -13,6 +13,8 @@ namespace vdbtools {
 
 /// Whether this build can write 3MF, which requires libzip.
 bool canWrite3mf();
+/// Whether this build can read 3MF (mesh_reader.h), which requires libexpat, too.
+bool canRead3mf();
 
 /// Returns the bytes of a file with one object, with positions as 32-bit floats. The same mesh gives the same bytes.
 /// @param mesh      millimetres, closed and oriented outward
