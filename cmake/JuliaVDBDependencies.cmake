@@ -14,6 +14,8 @@ pkg_check_modules(Cairo REQUIRED cairo-ft freetype2)
 # For 3MF, which needs libzip to be written, and both to be read; without them that format is refused.
 pkg_check_modules(LibZip QUIET libzip)
 pkg_check_modules(Expat QUIET expat)
+# For glTF that is compressed by Draco, which is refused without it.
+pkg_check_modules(Draco QUIET draco)
 # pkg-config names the compiler's own include folders, too. They must stay where the compiler has them in its order: given
 # once more, /usr/include comes before the C++ headers that look for the C headers in the next folder.
 set(own_directories "")
@@ -21,7 +23,7 @@ foreach(directory IN LISTS CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES)
   file(REAL_PATH "${directory}" directory)
   list(APPEND own_directories "${directory}")
 endforeach()
-foreach(library Cairo LibZip Expat)
+foreach(library Cairo LibZip Expat Draco)
   set(directories "")
   foreach(directory IN LISTS ${library}_INCLUDE_DIRS)
     file(REAL_PATH "${directory}" real_directory)

@@ -3,10 +3,13 @@
 
 #include "base/json_text.h"
 #include "base/percent_decoded.h"
+#include "mesh_files/draco_decoder.h"
 #include "mesh_files/glb_format.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
 
+#include <meshoptimizer.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -36,9 +39,12 @@ std::size_t sizeOfType(std::uint64_t type) {
   }
 }
 
-int componentsOf(const std::string& type) {
+/// The numbers of an element of an accessor; 0 if it is no vector.
+int componentsOf(const Json& accessor) {
+  const auto type = accessor.find("type");
+  if (type == accessor.end()) return 0;
   for (const auto& [name, count] : {std::pair("SCALAR", 1), {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}})
-    if (type == name) return count;
+    if (*type == name) return count;
   return 0;
 }
 
@@ -73,6 +79,20 @@ std::optional<std::string> base64Decoded(std::string_view text) {
     bytes += static_cast<char>(bits >> count & 0xff);
   }
   return bytes;
+}
+
+/// An extension of an object under the first of some names that it has; nullptr: none.
+const Json* extensionOf(const Json& object, std::initializer_list<const char*> names) {
+  const auto extensions = object.find("extensions");
+  if (extensions == object.end() || !extensions->is_object()) return nullptr;
+  for (const char* name : names)
+    if (const auto found = extensions->find(name); found != extensions->end() && found->is_object()) return &*found;
+  return nullptr;
+}
+
+/// That by which meshoptimizer compresses a part of a buffer.
+const Json* meshoptOf(const Json& object) {
+  return extensionOf(object, {"EXT_meshopt_compression", "KHR_meshopt_compression"});
 }
 
 }  // namespace
@@ -155,23 +175,17 @@ GltfFile::GltfFile(const std::filesystem::path& path, std::string_view contents)
     fail("it is not valid JSON: " + inOneLine(error.what()));
   }
   if (!mJson->is_object() || !mJson->contains("asset")) fail("it is not glTF: its JSON has no 'asset'");
-  refuseCompression();
   for (std::uint64_t i = 0; i < sizeOf("buffers"); ++i) mBuffers.push_back(bufferOf(i));
+  // A file may use the same bytes as often as it likes, but no mesh is so much smaller when it is compressed.
+  constexpr std::uint64_t kMostExpansion = 64, kFree = 64 << 20;
+  std::uint64_t room = kMostExpansion * bytesOfBuffers() + kFree;
+  unpackViews(room);
+  unpackPrimitives(room);
 }
 
 GltfFile::~GltfFile() = default;
 
 void GltfFile::fail(const std::string& what) const { throw DataError(mPath.string() + ": " + what); }
-
-void GltfFile::refuseCompression() const {
-  const auto required = mJson->find("extensionsRequired");
-  if (required == mJson->end() || !required->is_array()) return;
-  for (const Json& extension : *required)
-    if (extension == "KHR_draco_mesh_compression" || extension == "EXT_meshopt_compression" ||
-        extension == "KHR_meshopt_compression")
-      fail("its geometry is compressed (" + extension.get<std::string>() +
-           "), which cannot be read; export it without compression");
-}
 
 std::uint64_t GltfFile::sizeOf(const char* list) const {
   const auto found = mJson->find(list);
@@ -244,6 +258,7 @@ std::uint64_t GltfFile::bytesOfBuffers() const {
 std::string_view GltfFile::bufferOf(std::uint64_t index) {
   const Json& buffer = element("buffers", index);
   const std::uint64_t length = whole(buffer, "byteLength");
+  if (meshoptOf(buffer)) return {};  // a place for what is unpacked
   std::string_view bytes;
   const auto uri = buffer.find("uri");
   if (uri == buffer.end()) {
@@ -269,17 +284,11 @@ std::string_view GltfFile::bufferOf(std::uint64_t index) {
 }
 
 void GltfFile::place(GltfArray& array, const Json& where, const std::string& name) const {
-  const Json& view = element("bufferViews", whole(where, "bufferView"));
-  if (const auto extensions = view.find("extensions");
-      extensions != view.end() && extensions->is_object() &&
-      (extensions->contains("EXT_meshopt_compression") || extensions->contains("KHR_meshopt_compression")))
-    fail("its geometry is compressed (meshopt), which cannot be read; export it without compression");
-  const std::uint64_t buffer = whole(view, "buffer"), offset = whole(view, "byteOffset", 0),
-                      length = whole(view, "byteLength");
-  if (buffer >= mBuffers.size()) fail("a part of buffer " + std::to_string(buffer) + " is used, and there is none");
-  const std::string_view bytes = mBuffers[buffer];
-  if (offset > bytes.size() || length > bytes.size() - offset)
-    fail("a part of buffer " + std::to_string(buffer) + " does not lie within it");
+  const std::uint64_t viewIndex = whole(where, "bufferView");
+  const Json& view = element("bufferViews", viewIndex);
+  const auto unpacked = mUnpacked.find(viewIndex);
+  const std::string_view bytes = unpacked != mUnpacked.end() ? std::string_view(unpacked->second) : partOfBuffer(view);
+  const std::uint64_t length = bytes.size();
   const std::uint64_t size =
       sizeOfType(static_cast<std::uint64_t>(array.mType)) * static_cast<std::uint64_t>(array.mComponents);
   array.mStride = whole(view, "byteStride", 0);
@@ -290,10 +299,116 @@ void GltfFile::place(GltfArray& array, const Json& where, const std::string& nam
       start <= length && array.mStride >= size &&
       (array.mCount == 0 || (size <= length - start && array.mCount - 1 <= (length - start - size) / array.mStride));
   if (!fits) fail(name + " does not lie within its part of the buffer");
-  array.mData = bytes.data() + offset + start;
+  array.mData = bytes.data() + start;
 }
 
-GltfArray GltfFile::typedArray(const Json& accessor, const std::string& name, int components) const {
+std::string_view GltfFile::partOfBuffer(const Json& where) const {
+  const std::uint64_t buffer = whole(where, "buffer"), offset = whole(where, "byteOffset", 0),
+                      length = whole(where, "byteLength");
+  if (buffer >= mBuffers.size()) fail("a part of buffer " + std::to_string(buffer) + " is used, and there is none");
+  const std::string_view bytes = mBuffers[buffer];
+  if (offset > bytes.size() || length > bytes.size() - offset)
+    fail("a part of buffer " + std::to_string(buffer) + " does not lie within it");
+  return bytes.substr(offset, length);
+}
+
+void GltfFile::unpackViews(std::uint64_t& room) {
+  for (std::uint64_t i = 0; i < sizeOf("bufferViews"); ++i)
+    if (const Json* const compression = meshoptOf(element("bufferViews", i)))
+      mUnpacked[i] = unpacked(*compression, room);
+}
+
+void GltfFile::unpackPrimitives(std::uint64_t& room) {
+  for (std::uint64_t i = 0; i < sizeOf("meshes"); ++i) {
+    const auto primitives = element("meshes", i).find("primitives");
+    if (primitives == element("meshes", i).end() || !primitives->is_array()) continue;  // which its reader will say
+    for (const Json& primitive : *primitives)
+      if (primitive.is_object())
+        if (const Json* const compression = extensionOf(primitive, {"KHR_draco_mesh_compression"}))
+          unpackPrimitive(primitive, *compression, room);
+  }
+}
+
+void GltfFile::unpackPrimitive(const Json& primitive, const Json& compression, std::uint64_t& room) {
+  const auto failHere = [this](const std::string& why) {
+    fail("its geometry is compressed (KHR_draco_mesh_compression), and " + why + "; export it without compression");
+  };
+  constexpr std::uint64_t kTriangles = 4;
+  const auto attributes = primitive.find("attributes"), ids = compression.find("attributes");
+  if (whole(primitive, "mode", kTriangles) != kTriangles || attributes == primitive.end() || !attributes->is_object() ||
+      ids == compression.end() || !ids->is_object() || !primitive.contains("indices"))
+    failHere("its description is not that of triangles with indices and attributes");
+  const std::uint64_t indices = whole(primitive, "indices");
+  if (mDecoded.contains(indices)) return;  // by another primitive of the same geometry
+  std::vector<DracoAttribute> wanted;
+  std::vector<std::uint64_t> accessors;
+  for (const auto& [name, id] : ids->items()) {
+    const Json& accessor = element("accessors", whole(*attributes, name.c_str()));
+    const GltfArray array = headOf(accessor, name, componentsOf(accessor));
+    wanted.push_back({static_cast<std::uint32_t>(whole(*ids, name.c_str())), array.components(),
+                      array.isUnsigned() && !array.mNormalized});
+    accessors.push_back(whole(*attributes, name.c_str()));
+  }
+  const Json& view = element("bufferViews", whole(compression, "bufferView"));
+  DracoShape shape = decodeDraco(partOfBuffer(view), wanted, room);
+  if (!shape.problem.empty()) failHere(shape.problem);
+  const auto keep = [this](std::uint64_t accessor, std::string bytes, std::uint64_t count, int components,
+                           bool isWhole) {
+    Decoded& decoded = mDecoded[accessor];
+    decoded.bytes = std::move(bytes);
+    GltfArray& array = decoded.array;
+    array.mData = decoded.bytes.data();
+    array.mCount = count;
+    array.mComponents = components;
+    array.mType = isWhole ? glb::kUnsignedInt : glb::kFloat;
+    array.mStride = sizeOfType(glb::kFloat) * static_cast<std::uint64_t>(components);
+  };
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    keep(accessors[i], std::move(shape.attributes[i]), shape.points, wanted[i].components, wanted[i].isWhole);
+  keep(indices,
+       std::string(reinterpret_cast<const char*>(shape.corners.data()), shape.corners.size() * sizeof(std::uint32_t)),
+       shape.corners.size(), 1, true);
+}
+
+std::string GltfFile::unpacked(const Json& compression, std::uint64_t& room) const {
+  constexpr std::uint64_t kMostStride = 256, kMostCount = std::numeric_limits<std::uint32_t>::max();
+  const std::string_view packed = partOfBuffer(compression);
+  const std::uint64_t count = whole(compression, "count"), stride = whole(compression, "byteStride");
+  const auto textOf = [&](const char* name, const char* otherwise) {
+    const auto found = compression.find(name);
+    return found == compression.end() ? std::string(otherwise) : found->is_string() ? found->get<std::string>() : "";
+  };
+  const std::string mode = textOf("mode", ""), filter = textOf("filter", "NONE");
+  const bool isAttribute = mode == "ATTRIBUTES", isTriangles = mode == "TRIANGLES";
+  if (!isAttribute && !isTriangles && mode != "INDICES")
+    fail("its geometry is compressed (meshopt) in the mode '" + inOneLine(mode) +
+         "', which cannot be read; export it without compression");
+  // What the decoders demand.
+  const bool fits = isAttribute ? stride > 0 && stride <= kMostStride && stride % 4 == 0
+                                : (stride == 2 || stride == 4) && (!isTriangles || count % 3 == 0);
+  const bool canFilter =
+      filter == "NONE" || (isAttribute && ((filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) ||
+                                           (filter == "QUATERNION" && stride == 8) || filter == "EXPONENTIAL"));
+  if (!fits || !canFilter || count > kMostCount)
+    fail("its geometry is compressed (meshopt), and the description of that does not fit together; export it again");
+  if (count * stride > room)
+    fail("its compressed geometry is larger than the file can hold; export it without compression");
+  room -= count * stride;
+  requireMemory(static_cast<double>(count * stride), MemoryUse::File, mPath.string());
+  std::string bytes(count * stride, '\0');
+  const auto* const from = reinterpret_cast<const unsigned char*>(packed.data());
+  const int result = isAttribute   ? meshopt_decodeVertexBuffer(bytes.data(), count, stride, from, packed.size())
+                     : isTriangles ? meshopt_decodeIndexBuffer(bytes.data(), count, stride, from, packed.size())
+                                   : meshopt_decodeIndexSequence(bytes.data(), count, stride, from, packed.size());
+  if (result != 0)
+    fail("its compressed geometry (meshopt) is damaged, or of a later version; export it without compression");
+  if (filter == "OCTAHEDRAL") meshopt_decodeFilterOct(bytes.data(), count, stride);
+  if (filter == "QUATERNION") meshopt_decodeFilterQuat(bytes.data(), count, stride);
+  if (filter == "EXPONENTIAL") meshopt_decodeFilterExp(bytes.data(), count, stride);
+  return bytes;
+}
+
+GltfArray GltfFile::headOf(const Json& accessor, const std::string& name, int components) const {
   GltfArray array;
   const std::uint64_t type = whole(accessor, "componentType");
   if (sizeOfType(type) == 0 || components == 0) fail(name + " is of a type that cannot be read");
@@ -301,6 +416,11 @@ GltfArray GltfFile::typedArray(const Json& accessor, const std::string& name, in
   array.mComponents = components;
   array.mNormalized = accessor.value("normalized", Json(false)) == true;
   array.mCount = whole(accessor, "count");
+  return array;
+}
+
+GltfArray GltfFile::typedArray(const Json& accessor, const std::string& name, int components) const {
+  GltfArray array = headOf(accessor, name, components);
   const auto sparse = accessor.find("sparse");
   if (sparse == accessor.end()) {
     if (!accessor.contains("bufferView")) fail(name + " has no data");
@@ -334,10 +454,9 @@ GltfArray GltfFile::typedArray(const Json& accessor, const std::string& name, in
 }
 
 GltfArray GltfFile::array(std::uint64_t index) const {
+  if (const auto decoded = mDecoded.find(index); decoded != mDecoded.end()) return decoded->second.array;
   const Json& accessor = element("accessors", index);
-  const auto shape = accessor.find("type");
-  return typedArray(accessor, "accessor " + std::to_string(index),
-                    shape != accessor.end() && shape->is_string() ? componentsOf(shape->get<std::string>()) : 0);
+  return typedArray(accessor, "accessor " + std::to_string(index), componentsOf(accessor));
 }
 
 GltfArray GltfFile::matrices(std::uint64_t index) const {

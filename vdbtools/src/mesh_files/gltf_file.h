@@ -78,17 +78,32 @@ class GltfFile {
  private:
   std::string_view bufferOf(std::uint64_t index);
   std::uint64_t bytesOfBuffers() const;
+  /// All of an array but its bytes.
+  GltfArray headOf(const nlohmann::json& accessor, const std::string& name, int components) const;
   GltfArray typedArray(const nlohmann::json& accessor, const std::string& name, int components) const;
   /// Gives an array, whose other members are set, its bytes.
   void place(GltfArray& array, const nlohmann::json& where, const std::string& name) const;
   std::string readExternal(const std::string& uri) const;
-  void refuseCompression() const;
+  std::string_view partOfBuffer(const nlohmann::json& where) const;
+  /// Unpacks the parts of buffers that meshoptimizer compressed. @param room  as in unpacked()
+  void unpackViews(std::uint64_t& room);
+  /// Unpacks the primitives that Draco compressed: the arrays of their accessors.
+  void unpackPrimitives(std::uint64_t& room);
+  void unpackPrimitive(const nlohmann::json& primitive, const nlohmann::json& compression, std::uint64_t& room);
+  /// @param room  bytes that may still be unpacked
+  std::string unpacked(const nlohmann::json& compression, std::uint64_t& room) const;
 
   std::filesystem::path mPath;
   std::unique_ptr<nlohmann::json> mJson;
   std::string_view mBinary;                   ///< the binary chunk of a GLB
   std::map<std::uint64_t, std::string> mOwn;  ///< buffers that are not part of the contents
   std::vector<std::string_view> mBuffers;
+  std::map<std::uint64_t, std::string> mUnpacked;  ///< parts of buffers by their numbers
+  struct Decoded {
+    std::string bytes;
+    GltfArray array;  ///< in these bytes
+  };
+  std::map<std::uint64_t, Decoded> mDecoded;  ///< by the numbers of accessors
 };
 
 /// The texts in the extras of the asset of a GLB that this project wrote; empty for any other file.

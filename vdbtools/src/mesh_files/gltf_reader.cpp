@@ -78,11 +78,6 @@ class JoinedMesh {
     constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
     const std::uint64_t mode = mFile.whole(primitive, "mode", kTriangles);
     if (mode != kTriangles && mode != kStrip && mode != kFan) return;  // points and lines
-    if (const auto extensions = primitive.find("extensions");
-        extensions != primitive.end() && extensions->is_object() && extensions->contains("KHR_draco_mesh_compression"))
-      mFile.fail(
-          "its geometry is compressed (KHR_draco_mesh_compression), which cannot be read; export it without "
-          "compression");
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end() || !attributes->is_object()) mFile.fail("a primitive has no attributes");
     if (!attributes->contains("POSITION")) return;
