@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes: what the readers give must be a mesh that the program can work with.
 #include "harness.h"
+#include "mesh_files/draco_decoder.h"
 #include "mesh_files/face_names.h"
 #include "mesh_files/format_readers.h"
+#include "support/small_zip.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh/mesh.h"
@@ -68,6 +70,25 @@ void readGltf(const char* name, std::string_view bytes) {
   }
 }
 
+/// The XML of a model, in a zip that is whole.
+void read3mfModel(std::string_view xml) {
+  const std::string bytes = small_zip::zipOf(small_zip::partsOf3mf(std::string(xml)));
+  readMesh<vdbtools::read3mf, false>("mesh.3mf", bytes);
+}
+
+/// What glTF takes from it, without glTF.
+void readDraco(std::string_view bytes) {
+  constexpr std::array<vdbtools::DracoAttribute, 2> kWanted = {{{.id = 0, .components = 3}, {1, 4, true}}};
+  constexpr std::uint64_t kRoom = std::uint64_t{64} << 20;
+  for (const std::size_t wanted : {std::size_t{1}, kWanted.size()}) {
+    std::uint64_t room = kRoom;
+    const vdbtools::DracoShape shape = vdbtools::decodeDraco(bytes, std::span(kWanted).first(wanted), room);
+    if (!shape.problem.empty()) continue;
+    require(shape.corners.size() % 3 == 0, "there are not three corners a triangle");
+    require(shape.attributes.at(0).size() == 12 * shape.points, "there are not three numbers a point");
+  }
+}
+
 /// A library by itself, and as that of a mesh.
 void readMtl(std::string_view bytes) {
   vdbtools::readMaterialColours("library.mtl", bytes);
@@ -115,12 +136,15 @@ std::size_t mutateGlb(std::span<std::uint8_t> bytes, std::size_t size, unsigned 
   return whole;
 }
 
-constexpr std::array<Harness, 7> kMeshHarnesses = {{
+constexpr std::array<Harness, 10> kMeshHarnesses = {{
     {"ply", [](std::string_view bytes) { readMesh<vdbtools::readPly, false>("mesh.ply", bytes); }},
     {"obj", [](std::string_view bytes) { readMesh<vdbtools::readObj, false>("mesh.obj", bytes); }},
     {"mtl", readMtl},
     {"stl", [](std::string_view bytes) { readMesh<vdbtools::readStl, true>("mesh.stl", bytes); }},
     {"off", [](std::string_view bytes) { readMesh<vdbtools::readOff, false>("mesh.off", bytes); }},
+    {"three_mf", [](std::string_view bytes) { readMesh<vdbtools::read3mf, false>("mesh.3mf", bytes); }},
+    {"three_mf_model", read3mfModel},
+    {"draco", readDraco},
     {"glb", [](std::string_view bytes) { readGltf("mesh.glb", bytes); }, Refusal::Data, mutateGlb},
     {"gltf", [](std::string_view bytes) { readGltf("mesh.gltf", bytes); }},
 }};

@@ -4,6 +4,7 @@
 #include "farm/task_files.h"
 #include "farm/tile_file.h"
 #include "fuzz_plan.h"
+#include "support/small_zip.h"
 
 #include "vdbtools/base/grids.h"
 #include "vdbtools/formats/nvdb_file.h"
@@ -93,6 +94,54 @@ void addMeshes(Seeds& seeds) {
       "endsolid a name\n");
   add("off", "text", "OFF\n# by hand\n5 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0.5 0.4 0\n5 0 1 2 3 4\n3 0 1 2 255 0 0\n");
   add("off", "counts_in_first_line", "COFF 3 1 0\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n0 1 0 0 0 0 0\n3 0 1 2\n");
+  const std::string model =
+      "<model unit=\"inch\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "
+      "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\" requiredextensions=\"p\"><resources>"
+      "<object id=\"1\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/><vertex "
+      "x=\"0\" "
+      "y=\"1\" z=\"nan\"/><vertex x=\"0\" y=\"0\" z=\"1\"/></vertices><triangles><triangle v1=\"0\" v2=\"1\" v3=\"3\"/>"
+      "</triangles></mesh></object><object id=\"2\" type=\"surface\"><components><component objectid=\"1\" "
+      "transform=\"1 0 0 0 1 0 0 0 1 2 0 0\"/><component objectid=\"1\" "
+      "p:path=\"/3D/3dmodel.model\"/></components></object>"
+      "</resources><build><item objectid=\"2\" transform=\"0 1 0 1 0 0 0 0 1 0 0 5\"/><item "
+      "objectid=\"1\"/></build></model>";
+  add("three_mf_model", "components", model);
+  add("three_mf", "deflated", small_zip::zipOf(small_zip::partsOf3mf(model), true));
+  add("three_mf", "stored", small_zip::zipOf(small_zip::partsOf3mf(model)));
+  add("gltf", "meshopt",
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0)"
+      R"(},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3"},{"buffe)"
+      R"(rView":1,"componentType":5125,"count":36,"type":"SCALAR"}],"bufferViews":[{"buffer":1,"byteLength":9)"
+      R"(6,"byteStride":12,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteLength":91,"byteStride":1)"
+      R"(2,"count":8,"mode":"ATTRIBUTES","filter":"NONE"}}},{"buffer":1,"byteOffset":96,"byteLength":144,"ext)"
+      R"(ensions":{"EXT_meshopt_compression":{"buffer":0,"byteOffset":91,"byteLength":39,"byteStride":4,"coun)"
+      R"(t":36,"mode":"TRIANGLES"}}}],"buffers":[{"byteLength":130,"uri":"data:application/octet-stream;base6)"
+      R"(4,oAAAAT//AAD/////////AT//AAB+fX59fn1+AAABDMwAAP///wEMzAAAfn1+AAABAMAAAP8BAMAAAH4AAAAAAAAAAAAAAAAAAA)"
+      R"(AAAAAAAAAAAAAAAAAAAAAAAOD+H/8fcxKhD2cSlQ/wBAL/AgICAgAAAHaHVmd4qYZliWiYAWkAAA=="},{"byteLength":240,")"
+      R"(extensions":{"EXT_meshopt_compression":{"fallback":true}}}]})");
+  add("gltf", "draco",
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0)"
+      R"(},"indices":1,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0})"
+      R"(}}}]}],"accessors":[{"componentType":5126,"count":8,"type":"VEC3"},{"componentType":5125,"count":36,)"
+      R"("type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":80}],"buffers":[{"byteLength":80,"uri":"da)"
+      R"(ta:application/octet-stream;base64,RFJBQ08CAgEBAAAACAwACwEAA68+CgEBEAH/AAABAAkDAAACAQEBAAMDASgBGAMAh)"
+      R"(LAHJSAEAAAAAAD/AwAAAAAAAAAAAAAAAAAAAACAPwo="}]})");
+  add("draco", "sequential",
+      std::string("\104\122\101\103\117\002\002\001\000\000\000\014\010\001\000\001\002\002\001\003\004\005\006\005\007"
+                  "\006\000\002"
+                  "\004\002\005\004\001\006\003\003\006\007\000\004\001\001\004\006\002\003\005\003\007\005\001\001\000"
+                  "\011\003\000"
+                  "\000\002\000\001\001\000\003\003\001\050\001\030\003\000\110\261\120\042\055\106\000\000\000\000\000"
+                  "\377\003\000"
+                  "\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\012",
+                  102));
+  add("draco", "edgebreaker",
+      std::string("\104\122\101\103\117\002\002\001\001\000\000\000\010\014\000\013\001\000\003\257\076\012\001\001\020"
+                  "\001\377\000"
+                  "\000\001\000\011\003\000\000\002\001\001\001\000\003\003\001\050\001\030\003\000\204\260\007\045\040"
+                  "\004\000\000"
+                  "\000\000\000\377\003\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\012",
+                  80));
   add("glb", "own", written({.format = MeshFormat::Glb, .comments = smallMetadata()}));
   add("glb", "levels", written({.format = MeshFormat::Glb, .levels = {0.5}}));
   add("gltf", "data_uri",
