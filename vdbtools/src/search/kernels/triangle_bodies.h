@@ -301,7 +301,7 @@ void resolveMany(const TreeView& tree, const double (&middle)[3], const std::uin
     if (vectors == 0 || !many.chooseOfFour(scratch.list[1], vectors, four.about, far)) continue;
     for (unsigned j = 0; j < 8; ++j) {
       const CubeCentres two = four.of2(j);
-      many.chooseOfTwo(two.about);
+      if (!many.chooseOfTwo(two.about, far)) continue;
       std::uint32_t numbers[8];
       many.decide(two.about, numbers);
       finish(tree, middle, two.about, numbers, exact, two.node(), distance, triangle);

@@ -442,7 +442,7 @@ class ManyCandidates {
   }
 
   /// The same for one of its cubes of 2^3 nodes.
-  void chooseOfTwo(const float about[3]) {
+  bool chooseOfTwo(const float about[3], float far) {
     const std::uint32_t groups = mOfFour.vectors();
     const auto away = [&](std::uint32_t at) {
       Away<Floats> to;
@@ -453,7 +453,15 @@ class ManyCandidates {
       return to;
     };
     NearestLanes nearGroups;
-    for (std::uint32_t at = 0; at < groups; at += kWide) nearGroups.meet(away(at).squared, at);
+    Floats lowest = Floats{} + kHuge;
+    for (std::uint32_t at = 0; at < groups; at += kWide) {
+      const Floats squared = away(at).squared;
+      nearGroups.meet(squared, at);
+      lowest = lesser(lowest, squareRoot(squared) * 0.99999F - load<Floats>(mGroupRadius + at));
+    }
+    float least = lowest[0];
+    for (unsigned k = 1; k < kWide; ++k) least = lowest[k] < least ? lowest[k] : least;
+    if (least > far + kHalfDiagonal2) return false;
     NearestLanes centres;
     for (unsigned lane = 0; lane < kWide; ++lane)
       if (nearGroups.squared[lane] < kHuge) {
@@ -470,6 +478,7 @@ class ManyCandidates {
                       chosen);
     }
     choose(mOfFour, mVectors, chosen, near, about, 0.5F, mOfTwo);
+    return true;
   }
 
   /// Finds the nearest of those triangles at the nodes of the cube of 2^3; ties go to the smallest number.
