@@ -83,6 +83,7 @@ class Ears {
 template <class Emit>
 void forEachTriangle(std::span<const std::uint32_t> corners, const std::vector<Vec3d>& points, const Emit& emit) {
   const std::size_t n = corners.size();
+  if (n == 3) return emit(0U, 1U, 2U);
   std::vector<std::uint32_t> ring(n);
   std::iota(ring.begin(), ring.end(), 0U);
   if (n > 3 && n <= kMostCornersToClip) {
@@ -124,15 +125,14 @@ void Polygons::triangulate(Mesh& mesh, std::span<const openvdb::Vec2s> uvs) cons
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
     return mUvs[corner] == kNoUv ? openvdb::Vec2s(kNone, kNone) : uvs[mUvs[corner]];
   };
-  std::size_t begin = 0;
-  for (const std::size_t end : mEnds) {
-    const std::span corners = std::span(mCorners).subspan(begin, end - begin);
+  mesh.triangles.reserve(mesh.triangles.size() + mCorners.size() - 2 * size());
+  for (std::size_t p = 0; p < size(); ++p) {
+    const std::span corners = this->corners(p);
     forEachTriangle(corners, mesh.points, [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
       mesh.triangles.emplace_back(corners[i], corners[j], corners[k]);
       if (!hasUvs) return;
-      for (const std::uint32_t corner : {i, j, k}) mesh.cornerUvs.push_back(uvAt(begin + corner));
+      for (const std::uint32_t corner : {i, j, k}) mesh.cornerUvs.push_back(uvAt(beginOf(p) + corner));
     });
-    begin = end;
   }
 }
 

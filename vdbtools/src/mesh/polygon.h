@@ -23,10 +23,15 @@ class Polygons {
  public:
   static constexpr std::uint32_t kNoUv = 0xffffffff;
 
+  /// Makes room for this many triangles.
+  void reserve(std::size_t triangles) { mCorners.reserve(3 * triangles); }
   /// @param corners  indices of points, three or more
   void add(std::span<const std::uint32_t> corners) {
+    if (corners.size() != 3 && mEnds.empty())
+      for (std::size_t end = 3; end <= mCorners.size(); end += 3) mEnds.push_back(end);
+    const bool hasEnds = !mEnds.empty() || corners.size() != 3;
     mCorners.insert(mCorners.end(), corners.begin(), corners.end());
-    mEnds.push_back(mCorners.size());
+    if (hasEnds) mEnds.push_back(mCorners.size());
     if (!mUvs.empty()) mUvs.resize(mCorners.size(), kNoUv);
   }
   /// @param uvs  for each corner, its index of texture coordinates, or kNoUv
@@ -35,12 +40,12 @@ class Polygons {
     mUvs.insert(mUvs.end(), uvs.begin(), uvs.end());
     add(corners);
   }
-  bool empty() const { return mEnds.empty(); }
-  std::size_t size() const { return mEnds.size(); }
+  bool empty() const { return mCorners.empty(); }
+  std::size_t size() const { return mEnds.empty() ? mCorners.size() / 3 : mEnds.size(); }
   /// The corners of polygon @a i, as they were added.
   std::span<const std::uint32_t> corners(std::size_t i) const {
-    const std::size_t begin = i == 0 ? 0 : mEnds[i - 1];
-    return std::span(mCorners).subspan(begin, mEnds[i] - begin);
+    const std::size_t begin = beginOf(i);
+    return std::span(mCorners).subspan(begin, beginOf(i + 1) - begin);
   }
 
   /// Appends the triangles of all polygons to @a mesh. @pre every corner is one of its points
@@ -49,8 +54,10 @@ class Polygons {
   void triangulate(Mesh& mesh, std::span<const openvdb::Vec2s> uvs) const;
 
  private:
+  std::size_t beginOf(std::size_t i) const { return mEnds.empty() ? 3 * i : i == 0 ? 0 : mEnds[i - 1]; }
+
   std::vector<std::uint32_t> mCorners;
-  std::vector<std::size_t> mEnds;     ///< the end of each polygon in mCorners
+  std::vector<std::size_t> mEnds;     ///< the end of each polygon in mCorners; empty if all are triangles
   std::vector<std::uint32_t> mUvs{};  ///< for each corner, or empty
 };
 

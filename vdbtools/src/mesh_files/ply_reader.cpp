@@ -362,6 +362,7 @@ void readFaces(BodyReader& body, const Element& element, std::uint64_t points, P
   if (std::count_if(element.properties.begin(), element.properties.end(), isIndexList) != 1) {
     body.fail("faces need the list 'vertex_indices', exactly once; export the mesh again");
   }
+  polygons.reserve(element.count);  // leastBytes() was checked
   std::vector<std::uint32_t> corners, uvIndices;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     body.setIndex(i);
