@@ -79,26 +79,32 @@ void deviceEdges(benchmark::State& state) {
   const auto field = fieldOf<Real>(state);
   if (!field) return;
   const julia::SearchLattice lattice{.voxelSize = kVoxel};
+  // Along x, from points near the origin, which are inside, to points far outside, halved down to one edge.
+  constexpr std::size_t kEdges = std::size_t{1} << 14;
+  constexpr int kFar = 2048;
   std::mt19937 random(3);
-  std::vector<julia::CrossedEdge> edges;
-  constexpr std::size_t kEdges = std::size_t{1} << 14, kTries = 1000;
-  for (std::size_t round = 0; edges.size() < kEdges && round < kTries; ++round) {
-    std::vector<julia::Point> ends;
-    for (std::size_t i = 0; i < kPointsAtOnce / 2; ++i) {
-      julia::Point x;
-      for (double& c : x) c = kVoxel * (static_cast<double>(random() % 600) - 300);
-      ends.push_back(x);
-      x[0] += kVoxel;
-      ends.push_back(x);
-    }
-    std::vector<double> values(ends.size());
-    field->evaluate(ends, values, {});
-    for (std::size_t i = 0; i < ends.size() && edges.size() < kEdges; i += 2)
-      if ((values[i] < 0) != (values[i + 1] < 0))
-        edges.push_back(
-            {ends[i], 0, ends[i][0] / kVoxel, julia::storedField(values[i]), julia::storedField(values[i + 1])});
+  std::vector<julia::Point> lines(kEdges);
+  for (julia::Point& x : lines)
+    for (double& c : x) c = kVoxel * (static_cast<double>(random() % 300) - 150);
+  std::vector<int> inside(kEdges, 0), outside(kEdges, kFar);
+  std::vector<double> values(kEdges), ends(kEdges);
+  const auto evaluateAt = [&](const auto& index, std::vector<double>& to) {
+    for (std::size_t i = 0; i < kEdges; ++i) lines[i][0] = kVoxel * index(i);
+    field->evaluate(lines, to, {});
+  };
+  for (int length = kFar; length > 1; length /= 2) {
+    const auto middle = [&](std::size_t i) { return (inside[i] + outside[i]) / 2; };
+    evaluateAt(middle, values);
+    for (std::size_t i = 0; i < kEdges; ++i) (values[i] < 0 ? inside : outside)[i] = middle(i);
   }
-  if (edges.size() < kEdges) return state.SkipWithError("the surface crosses too few edges");
+  evaluateAt([&](std::size_t i) { return outside[i]; }, ends);
+  evaluateAt([&](std::size_t i) { return inside[i]; }, values);
+  std::vector<julia::CrossedEdge> edges;
+  for (std::size_t i = 0; i < kEdges; ++i) {
+    if (!(values[i] < 0) || ends[i] < 0) return state.SkipWithError("a line does not cross the surface");
+    edges.push_back(
+        {lines[i], 0, static_cast<double>(inside[i]), julia::storedField(values[i]), julia::storedField(ends[i])});
+  }
   std::vector<double> found(edges.size());
   for (auto _ : state) {
     field->findCrossings(edges, lattice, found);
