@@ -13,6 +13,10 @@ namespace vdbtools {
 /// Whether OpenVDB makes a transform with this scale.
 bool isOrdinaryScale(const openvdb::Vec3d& scale);
 
+/// Whether voxels are cubes, rotated or not, as exactly as a matrix of floats says. OpenVDB's own question depends, for
+/// rotated voxels, on the last bit of a cube root.
+bool hasCubicVoxels(const openvdb::GridBase& grid);
+
 /// Node (i, j, k) lies at @a voxelSize * (i, j, k).
 openvdb::math::Transform::Ptr latticeTransform(double voxelSize);
 

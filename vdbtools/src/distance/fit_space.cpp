@@ -13,7 +13,21 @@
 namespace vdbtools {
 namespace {
 
+using openvdb::BBoxd;
 using openvdb::Coord;
+using openvdb::Vec3d;
+
+/// Whether the sides of the voxels are parallel to the axes of the world.
+bool isAligned(const openvdb::math::Transform& transform) {
+  if (!transform.isLinear()) return false;
+  for (const Vec3d& unit : {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)}) {
+    const Vec3d side = transform.baseMap()->applyJacobian(unit);
+    const double longest = std::max({std::abs(side[0]), std::abs(side[1]), std::abs(side[2])});
+    constexpr double kRounding = 1e-9;
+    if (std::abs(side[0]) + std::abs(side[1]) + std::abs(side[2]) > (1 + kRounding) * longest) return false;
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -25,31 +39,37 @@ openvdb::CoordBBox insideNodeBox(const openvdb::FloatGrid& phi) {
   return box;
 }
 
-openvdb::BBoxd insideBox(const openvdb::FloatGrid& phi) {
+BBoxd insideBox(const openvdb::FloatGrid& phi) {
   const openvdb::CoordBBox nodes = insideNodeBox(phi);
-  openvdb::Vec3d low = nodes.min().asVec3d(), high = nodes.max().asVec3d();
+  const bool aligned = isAligned(phi.transform());
+  BBoxd box, inIndexSpace(nodes.min().asVec3d(), nodes.max().asVec3d());
   const auto accessor = phi.getConstAccessor();
-  // Only for outermost inside nodes: find how far beyond them phi crosses 0.
+  // Where phi crosses 0 beyond an inside node. If the voxels are aligned, only the outermost nodes matter.
   for (auto value = phi.tree().cbeginValueAll(); value; ++value) {
     if (!(*value < 0)) continue;
-    const openvdb::CoordBBox box = value.getBoundingBox();
-    if (box.volume() > 1) continue;  // a tile lies deep inside; its extent has been counted already
-    const Coord node = box.min();
+    const openvdb::CoordBBox place = value.getBoundingBox();
+    if (place.volume() > 1) {  // a tile, deep inside
+      if (!aligned) box.expand(phi.transform().indexToWorld(BBoxd(place.min().asVec3d(), place.max().asVec3d())));
+      continue;
+    }
+    const Coord node = place.min();
     for (int axis = 0; axis < 3; ++axis) {
       for (const int step : {-1, 1}) {
-        if (node[axis] != (step < 0 ? nodes.min() : nodes.max())[axis]) continue;
+        if (aligned && node[axis] != (step < 0 ? nodes.min() : nodes.max())[axis]) continue;
         Coord next = node;
         next[axis] += step;
         const double inside = *value, outside = accessor.getValue(next);
-        const double crossing = node[axis] + step * inside / (inside - outside);
-        if (step < 0)
-          low[axis] = std::min(low[axis], crossing);
+        if (outside < 0) continue;
+        Vec3d crossing = node.asVec3d();
+        crossing[axis] += step * inside / (inside - outside);
+        if (aligned)
+          inIndexSpace.expand(crossing);
         else
-          high[axis] = std::max(high[axis], crossing);
+          box.expand(phi.indexToWorld(crossing));
       }
     }
   }
-  return phi.transform().indexToWorld(openvdb::BBoxd(low, high));
+  return aligned ? phi.transform().indexToWorld(inIndexSpace) : box;
 }
 
 bool centreIsInside(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box) {

@@ -63,7 +63,7 @@ FloatGrid::Ptr coarserBand(const FloatGrid& fine, int gain) {
 WideDistance::WideDistance(const Target& target, const BBoxd& box, Monitor& monitor)
     : mLevels{target.phi}, mDenseBox(target.denseBox) {
   if (mDenseBox) return;
-  if (!target.phi->hasUniformVoxels())
+  if (!hasCubicVoxels(*target.phi))
     throw DataError("distances far from the narrow band of '" + target.phi->getName() +
                     "' need voxels of one size in all directions; resample it, or make it dense");
   while (!knowsAll(*mLevels.back(), box)) {

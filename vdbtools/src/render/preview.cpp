@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/render/preview.h"
 
+#include "base/lattice_transform.h"
 #include "render/preview_renderer.h"
 #include "render/surface_tracer.h"
 
@@ -40,7 +41,7 @@ void requireLevelSet(const openvdb::FloatGrid& grid) {
     throw DataError("the grid \"" + grid.getName() + "\" is not a level set (its class is " +
                     openvdb::GridBase::gridClassToString(grid.getGridClass()) + "), so it has no surface to show");
   }
-  if (!grid.hasUniformVoxels()) {
+  if (!hasCubicVoxels(grid)) {
     throw DataError("the voxels of the level set \"" + grid.getName() + "\" are not cubes; resample it first");
   }
   for (auto value = grid.cbeginValueAll(); value; ++value)
