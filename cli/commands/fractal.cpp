@@ -3,7 +3,6 @@
 
 #include "exit_code.h"
 #include "grid_file.h"
-#include "left_out_text.h"
 #include "options.h"
 #include "output.h"
 #include "plan.h"
@@ -11,7 +10,7 @@
 #include "report.h"
 #include "scene_recipe.h"
 #include "sequence.h"
-#include "united_text.h"
+#include "target_text.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_recipes.h"
@@ -182,7 +181,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     if (const std::vector<std::string> unused = vdbtools::unusedParts(scene.target->parts, line.recipe());
         !unused.empty())
       report().text() << "not used of the target: " << joined(unused) << '\n';
-  if (!isFrame) report().text() << leftOutText(scene.metadata) << unitedText(scene.metadata);
+  if (!isFrame) report().text() << targetText(scene.metadata);
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";

@@ -3,12 +3,11 @@
 
 #include "exit_code.h"
 #include "grid_file.h"
-#include "left_out_text.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
 #include "sequence.h"
-#include "united_text.h"
+#include "target_text.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -32,7 +31,7 @@ constexpr Usage kSdfUsage = {
     "mesh that leaks is refused; --repair closes it. --solidify makes a block of terrain, "
     "--thicken a plate of a sheet, and --points-radius a solid of a cloud of points. Of a VDB, "
     "it measures the distances to the surface of its level set anew, on the same voxels, in a "
-    "band of any width.",
+    "band of any width; of a fog volume, or with --iso of any other grid, it makes a level set.",
     "  juliavdb sdf bunny.obj -o bunny_sdf.vdb --resolution 200\n"
     "  juliavdb sdf scan.ply -o scan_sdf.vdb --voxel-size 0.01 --repair\n"
     "  juliavdb sdf bunny_sdf.vdb -o wide.vdb --band 30\n"
@@ -73,7 +72,7 @@ void makeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const Fram
     report().text() << "repaired: gaps up to " << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)
                     << " closed, the surface moved by at most "
                     << vdbtools::shortText(*result.moved, vdbtools::Rounding::Up) << '\n';
-  report().text() << leftOutText(result.metadata) << unitedText(result.metadata);
+  report().text() << targetText(result.metadata);
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ RUNS = {
         ("s.obj", "-o", "f.vdb", "--mesh", "f.glb", "--texture", "random", "--attributes", "trap,Cd", "--colour", "trap", *LOW),
         ("open.obj", "--repair", "--mesh", "f.ply", "--texture", "bark", "--texture-over", "coral", *LOW),
         ("pair.vdb", "--grid", "phi", "-o", "f.vdb", "--resolution", 14),
+        ("turned.vdb", "--invert", "-o", "f.vdb", "--resolution", 14),
         ("--config", "quadratic.vdb", "-o", "f.vdb"),
         ("--map", "cross", "--f", "x, y, z", "--g", "cos(x), cos(y), z", "--mesh", "f.ply", "--resolution", 14),
         ("s.obj", "--mesh", "f.stl", "--texture", "random", "--texture-placement", "cluster", "--follow", "--up", "z",
@@ -46,7 +47,8 @@ RUNS = {
         ("walk.gltf", "-o", "f.vdb", "--target-frame", 18, "--resolution", 14, "--sdf-resolution", 100),
     ],
     "sdf": [("s.obj", "-o", "f.vdb", "--resolution", 14), ("s.obj", "-o", "f.nvdb", "--resolution", 14), ("open.obj", "--repair", "-o", "f.vdb", "--resolution", 14),
-            ("s.obj", "-o", "f.####.vdb", "--resolution", 14, "--frames", "1-2"), ("pair.vdb", "-o", "f.vdb", "--grid", "phi")],
+            ("s.obj", "-o", "f.####.vdb", "--resolution", 14, "--frames", "1-2"), ("pair.vdb", "-o", "f.vdb", "--grid", "phi"),
+            ("turned.vdb", "--invert", "-o", "f.vdb")],
     "convert": [("s.vdb", "-o", "f.nvdb"), ("grow.####.vdb", "-o", "f.####.nvdb", "--frames", "1-2")],
     "mesh": [("made.vdb", "-o", "m.ply"), ("s.vdb", "-o", "m.ply"), ("made.vdb", "-o", "m.obj", "--from-grid"),
              ("grow.####.vdb", "-o", "m.####.ply", "--from-grid", "--frames", "1-2")],
@@ -74,6 +76,7 @@ RUNS = {
                ("made.vdb", "-o", "f.####.png", "--size", "24x24", "--frames", "1-2", "--key", "zoom@1=1", "--key", "zoom@4=1.5")],
     "fit": [("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 9, "--resolution", 17),
+            ("turned.vdb", "--invert", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17),
             ("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17, "--charge", "g.ply")],
     "info": [("s.obj",), ("made.vdb",)],
@@ -108,7 +111,7 @@ VALUES = {
     "sdf": {"band": "5", "grid-names": "houdini", "config": "half.txt"},
     "": {
         "grid": "surface", "sdf-resolution": "19", "sdf-voxel-size": "0.11", "resolution": "15", "voxel-size": "0.15",
-        "repair-gap": "1.2", "solidify": "0.4", "thicken": "0.7", "points-radius": "0.7", "map": ("mandelbulb", "quadratic"),
+        "repair-gap": "1.2", "solidify": "0.4", "thicken": "0.7", "points-radius": "0.7", "iso": "0.05", "map": ("mandelbulb", "quadratic"),
         "iterations": "2", "escape": "3", "slice": "0.2", "drop-axis": "j", "rational": "roots.json", "c": "0.3,0.2,0.1",
         "scheme": "3", "pair": "B", "f": "x*x, y, z", "g": "cos(x), y, z", "radius": "3", "power": "5", "theta": "pole",
         "detail": "0.6", "outward": "0.25", "mask": "0.5", "alpha": "15", "beta": "0.03", "sampling": "quadratic",
@@ -248,6 +251,8 @@ class Options(harness.CliTest):
         phi, other = (pyopenvdb.read(str(self.path(name)), "phi") for name in ("s.vdb", "t.vdb"))
         other.name = "surface"
         pyopenvdb.write(str(self.path("pair.vdb")), grids=[phi, other])
+        phi.mapAll(lambda value: -value)
+        pyopenvdb.write(str(self.path("turned.vdb")), grids=[phi])
         for frame in (1, 2, 3):
             shutil.copy(self.path("made.vdb"), self.path(f"grow.{frame:04d}.vdb"))
         self.ok("fit", "s.obj", "-o", "fitted.json", "--roots", 30, "--resolution", 17)

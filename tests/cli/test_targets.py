@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets that bound no volume: holes, terrain, sheets and clouds of points, through every command that takes one."""
+"""Targets that bound no volume: holes, terrain, sheets and clouds of points, and volumes that are no signed distance, through
+every command that takes one."""
 
 import math
 import unittest
+
+import pyopenvdb
 
 import harness
 from harness import BAD_DATA, USAGE
@@ -145,6 +148,113 @@ class Targets(harness.CliTest):
                 "--solidify", "0.6", "--key", "detail@1=0.1", "--key", "detail@2=0.3")
         for task in (1, 2):
             self.ok("task", "farm", "--index", task)
+
+
+class Volumes(harness.CliTest):
+    """What is made of grids that are no signed distance, or are one in an unusual way."""
+
+    FOG_SAID = "the target is a fog volume, and its surface is where it is 2, half of its largest value; --iso sets another\n"
+    UNEQUAL_SAID = "the target's voxels have the sides 0.05,0.05,0.1; they were resampled to cubes of the smallest\n"
+
+    def setUp(self):
+        super().setUp()
+        self.write("s.obj", harness.obj(harness.sphere(5)))
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--voxel-size", 0.05, "--band", 5)
+
+    def changed(self, name, change):
+        """The ball's grid, changed."""
+        grid = pyopenvdb.read(str(self.path("s.vdb")), "phi")
+        grid.name = "ball"
+        change(grid)
+        pyopenvdb.write(str(self.path(name)), grids=[grid])
+
+    def transformed(self, name, x, y, z):
+        """With other voxels: the three sides of one."""
+        def change(grid):
+            grid.transform = pyopenvdb.createLinearTransform([[*x, 0], [*y, 0], [*z, 0], [0, 0, 0, 1]])
+        self.changed(name, change)
+
+    def fog(self, name="fog.vdb", kind="fog volume"):
+        def change(grid):
+            grid.mapAll(lambda phi: min(max(2 - 10 * phi, 0), 4))
+            grid.background = 0.0
+            grid.gridClass = kind
+        self.changed(name, change)
+
+    def volume_of(self, name):
+        self.ok("mesh", name, "-o", "m.ply", "--from-grid")
+        mesh = harness.read_ply(self.bytes("m.ply"))
+        self.assertEqual(harness.open_edges(mesh), [])
+        return harness.volume_of(mesh)
+
+    def check_ball(self, name, radius):
+        self.assertAlmostEqual(self.volume_of(name), 4 / 3 * math.pi * radius ** 3, delta=0.05)
+
+    def test_a_turned_grid_has_the_lengths_of_its_surface(self):
+        c, s = 0.05 * math.cos(0.7), 0.05 * math.sin(0.7)
+        self.transformed("turned.vdb", (c, s, 0), (-s, c, 0), (0, 0, 0.05))
+        self.transformed("plain.vdb", (0.05, 0, 0), (0, 0.05, 0), (0, 0, 0.05))
+        found = {}
+        for name in ("plain", "turned"):
+            said = self.ok("fractal", f"{name}.vdb", "-o", f"{name}_f.vdb", "--resolution", 40)
+            self.assertIn("voxels of 0.05,", said)
+            found[name] = self.volume_of(f"{name}_f.vdb")
+        self.assertAlmostEqual(found["turned"], found["plain"], delta=0.02 * found["plain"])
+
+    def test_a_fog_volume(self):
+        self.fog()
+        for command in ("sdf", "fractal"):
+            said = self.ok(command, "fog.vdb", "-o", f"{command}.vdb", *(["--resolution", 32] if command == "fractal" else []))
+            self.assertEqual(said.count(self.FOG_SAID), 1)
+            self.assertEqual(self.info(f"{command}.vdb")["metadata"]["julia_chosen_iso"], "2")
+        self.check_ball("sdf.vdb", 1)
+        self.ok("fractal", "--config", "fractal.vdb", "-o", "again.vdb")
+        self.assertEqual(self.bytes("again.vdb"), self.bytes("fractal.vdb"))
+        said = self.ok("sdf", "fog.vdb", "--iso", 1, "-o", "larger.vdb")
+        self.assertNotIn("half of", said)
+        self.assertEqual(self.info("larger.vdb")["recipe"]["iso"], "1")
+        self.check_ball("larger.vdb", 1.1)
+        self.refused(BAD_DATA, "sdf", "fog.vdb", "--iso", 5, "-o", "x.vdb", mentions=["0 to 4", "--iso"])
+        self.fog("unknown.vdb", "unknown")
+        self.refused(BAD_DATA, "sdf", "unknown.vdb", "-o", "x.vdb", mentions="--iso")
+
+    def test_the_surface_of_a_level_set_moves(self):
+        for distance in (-0.1, 0.15):
+            self.ok("sdf", "s.vdb", f"--iso={distance}", "-o", "moved.vdb")
+            self.check_ball("moved.vdb", 1 + distance)
+
+    def test_a_sign_that_is_turned_round(self):
+        self.changed("wrong.vdb", lambda grid: grid.mapAll(lambda phi: -phi))
+        for command in ("fractal", "sdf"):
+            self.refused(BAD_DATA, command, "wrong.vdb", "-o", "x.vdb", mentions=["negative outside", "--invert"])
+        self.ok("sdf", "wrong.vdb", "--invert", "-o", "right.vdb")
+        self.check_ball("right.vdb", 1)
+        self.refused(USAGE, "sdf", "s.vdb", "--invert", "-o", "x.vdb", mentions=["--invert", "leave it out"])
+        self.refused(USAGE, "sdf", "s.obj", "--invert", "-o", "x.vdb", mentions=["--invert", "'s.obj' is a mesh"])
+        self.refused(USAGE, "fractal", "s.obj", "--iso", 1, "-o", "x.vdb", mentions=["--iso", "'s.obj' is a mesh"])
+
+    def test_voxels_of_unequal_sides(self):
+        self.transformed("long.vdb", (0.05, 0, 0), (0, 0.05, 0), (0, 0, 0.1))
+        for command in ("sdf", "fractal"):
+            said = self.ok(command, "long.vdb", "-o", f"{command}.vdb", *(["--resolution", 32] if command == "fractal" else []))
+            self.assertEqual(said.count(self.UNEQUAL_SAID), 1)
+        self.assertAlmostEqual(self.volume_of("sdf.vdb"), 8 / 3 * math.pi, delta=0.1)
+        self.assertEqual(self.info("sdf.vdb")["grids"][0]["voxel size"], [0.05] * 3)
+
+    def test_any_number_of_threads_makes_the_same(self):
+        self.fog()
+        for threads in (1, 2):
+            self.ok("fractal", "fog.vdb", "-o", f"{threads}.vdb", "--resolution", 24, "--threads", threads)
+        self.assertEqual(self.bytes("1.vdb"), self.bytes("2.vdb"))
+
+    def test_other_commands_take_them(self):
+        self.fog()
+        self.ok("fit", "fog.vdb", "--iso", 1.5, "-o", "x.json", "--resolution", 24, "--roots", 4)
+        self.ok("slice", "fog.vdb", "--iso", 1.5, "-o", "x.png", "--size", 20)
+        self.ok("render", "--field", "fog.vdb", "--iso", 1.5, "-o", "y.png", "--size", "20x20")
+        self.ok("study", "fog.vdb", "--iso", 1.5, "-o", "z.png", "--size", 20, "--versors", 2)
+        self.ok("sheet", "fog.vdb", "-o", "sheet.png", "--size", "20x20", "--vary", "iso=1,3")
+        self.ok("plan", "tiles", "fog.vdb", "-o", "farm", "--iso", 1.5, "--resolution", 24, "--tiles", 2)
 
 
 class WhatIsNotUsed(harness.CliTest):

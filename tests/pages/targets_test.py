@@ -18,7 +18,8 @@ class TargetsPage(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for block in blocks:
                 block = block.replace("docs/make-targets", str(ROOT / "docs/make-targets"))
-                block = re.sub(r"(juliavdb fractal .*) --resolution \d+", r"\1 --resolution 40 --sdf-resolution 120", block)
+                block = re.sub(r"(juliavdb fractal \S+\.vdb .*) --resolution \d+", r"\1 --resolution 41", block)
+                block = re.sub(r"(juliavdb fractal .*) --resolution (?!41)\d+", r"\1 --resolution 40 --sdf-resolution 120", block)
                 done = run(block, folder)
                 self.assertEqual(done.returncode, 0, f"{block}\n{done.stderr}")
 
@@ -33,7 +34,7 @@ class TargetsPage(unittest.TestCase):
 
     def test_it_names_every_option(self):
         said = run("juliavdb sdf --help", "/").stdout
-        for option in re.findall(r"^  --((?:repair|solidify|thicken|points)[a-z-]*)", said, re.M):
+        for option in re.findall(r"^  --((?:repair|solidify|thicken|points|iso|invert)[a-z-]*)", said, re.M):
             self.assertIn(f"--{option}", TEXT)
 
 

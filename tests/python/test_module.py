@@ -307,6 +307,18 @@ class Arrays(ModuleTest):
         self.assertEqual(made.info["triangles"], len(made.faces))
         self.assertEqual(made.info["recipe"]["resolution"], "30")
 
+    def test_volumes_are_targets(self):
+        self.ok("fractal", self.torus, "-o", "smoke.vdb", "--grids", "density", *SMALL_WORDS)
+        smoke = str(self.path("smoke.vdb"))
+        self.assertEqual(juliavdb.sdf(smoke).metadata["julia_chosen_iso"], "0.5")
+        self.assertEqual(juliavdb.fractal(smoke, resolution=30).info["recipe"]["input"], smoke)
+        self.ok("sdf", smoke, "--iso", 0.25, "-o", "said.vdb")
+        made, said = juliavdb.sdf(smoke, iso=0.25).array(), juliavdb.Grid.read(self.path("said.vdb")).array()
+        self.assertTrue(np.array_equal(made[0], said[0]))
+        self.assertEqual(made[1], said[1])
+        with self.assertRaisesRegex(ValueError, "no end.*invert"):
+            juliavdb.sdf(smoke, iso=0.25, invert=True)
+
     def test_arrays_that_are_no_mesh(self):
         points, triangles = arrays(self.mesh)
         broken = points.copy()

@@ -167,6 +167,7 @@ class Draw:
             "repair-gap": length(0, 0.15), "thicken": length(0.12, 0.4), "points-radius": length(0.12, 0.3),
             "solidify": lambda: chance.choice(["", "y:", "z:"]) + self.number(0.2 * size, size),
             "grid": lambda: "",
+            "iso": lambda: self.number(-0.05 * size, 0.05 * size),
             "grid-names": lambda: "houdini",
         }
 
@@ -212,7 +213,7 @@ class Draw:
         for option in known["options"]:
             name = option["name"]
             # Mending what is whole is allowed, and rare.
-            rare = 0.1 if name in ("repair", "repair-gap", "solidify", "thicken", "points-radius", "grid") else 1
+            rare = 0.1 if name in ("repair", "repair-gap", "solidify", "thicken", "points-radius", "grid", "iso", "invert") else 1
             if name in NOT_DRAWN or self.map not in option["maps"]:
                 continue
             if name != mend and chance.random() > likely * rare:

@@ -2,12 +2,13 @@
 #include "vdbtools/distance/target.h"
 
 #include "base/grid_memory.h"
+#include "base/lattice_transform.h"
 #include "base/openvdb/fast_sweeping.h"
 #include "distance/band_growth.h"
 #include "distance/cell_corners.h"
 #include "distance/leaves.h"
+#include "distance/volume_levels.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
 #include "vdbtools/distance/fit_space.h"
 
 #include <openvdb/tools/Morphology.h>
@@ -32,22 +33,6 @@ using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using Leaf = FloatTree::LeafNodeType;
 using Accessor = openvdb::tree::ValueAccessor<const FloatTree>;
-
-void requireFiniteValues(const FloatGrid& phi) {
-  const auto refuse = [&](const Coord& node) {
-    throw DataError("the signed distance field '" + phi.getName() + "' holds a value that is not finite near index " +
-                    std::to_string(node[0]) + ", " + std::to_string(node[1]) + ", " + std::to_string(node[2]));
-  };
-  for (auto leaf = phi.tree().cbeginLeaf(); leaf; ++leaf) {
-    const float* values = leaf->buffer().data();
-    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
-      if (!std::isfinite(values[i])) refuse(leaf->offsetToGlobalCoord(i));
-  }
-  auto tile = phi.tree().cbeginValueAll();
-  tile.setMaxDepth(FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
-  for (; tile; ++tile)
-    if (!std::isfinite(*tile)) refuse(tile.getCoord());
-}
 
 /// The largest value among the leaf's active nodes, and those next to them, that have an inactive negative face
 /// neighbour; -inf if there is none.
@@ -137,15 +122,18 @@ float solidBeginsAt(const FloatGrid& grid, Monitor& monitor) {
 
 Target makeTarget(FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box) {
   if (phi->activeVoxelCount() == 0) throw DataError("the signed distance field '" + phi->getName() + "' is empty");
-  requireFiniteValues(*phi);
-  const CoordBBox active = phi->evalActiveVoxelBoundingBox();
+  valueRange(*phi);  // all are finite
   Target target;
-  if (active.volume() == phi->activeVoxelCount()) {
-    target.denseBox = active;
-  } else if (!(phi->background() > 0)) {
+  if (isDense(*phi)) {
+    target.denseBox = phi->evalActiveVoxelBoundingBox();
+  } else if (phi->background() == 0) {
     throw DataError("the signed distance field '" + phi->getName() +
-                    "' is neither dense nor a narrow band: its background is " + shortText(phi->background()) +
-                    " and must be positive, the outside");
+                        "' is neither dense nor a narrow band: its background is 0 and must be positive, the outside",
+                    Remedy::GiveIsovalue);
+  } else if (box ? phi->background() < 0 : isNegativeOutside(*phi)) {
+    throw DataError("the signed distance field '" + phi->getName() +
+                        "' is negative outside its surface, and must be negative inside",
+                    Remedy::TurnSign);
   }
   // A field without an inside is refused before its tiles take memory as voxels. Without tiles, insideBox() detects it
   // below.
@@ -166,7 +154,7 @@ std::optional<BandGrowth> bandGrowth(const Target& target, double exteriorWidth,
   const double known = -solidBeginsAt(*phi, monitor);
   const bool deepen = known < wantedInside * (1 - 1e-6);
   if (!deepen && !widen) return std::nullopt;
-  if (!phi->hasUniformVoxels())
+  if (!hasCubicVoxels(*phi))
     throw DataError(
         "the narrow band of '" + phi->getName() +
         "' must be widened, which needs voxels of one size in all directions; resample it, or make it dense");

@@ -199,7 +199,7 @@ OptionTable fitOptionTable() {
   std::vector<OptionSpec> options = {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
-       .help = "the target: a mesh, or a VDB that holds its signed distance"},
+       .help = "the target: a mesh, or a VDB that holds its signed distance or a volume"},
       {.name = "grid",
        .argument = "NAME",
        .defaultValue = "",

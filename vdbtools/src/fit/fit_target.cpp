@@ -70,7 +70,7 @@ Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
     return solid;
   }
   solid.mend = {.repair = options.mend.repair, .gap = options.mend.gap};
-  Target target = readVdbTarget(options.input, options.grid);
+  Target target = readVdbTarget(options.input, options.grid, options.mend.volume);
   solid.mesh = meshOfLevelSet(*target.phi, monitor);
   solid.box = target.box;
   if (!centreIsInside(*target.phi, target.box)) extendBand(target, 0, std::numeric_limits<double>::infinity(), monitor);

@@ -13,6 +13,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -341,16 +342,31 @@ std::vector<std::string> gridLabels(const VdbFile& file) {
   return labels;
 }
 
+namespace {
+
+/// @tparam Grid  the type of the grids that are chosen from
+template <class Grid>
+std::vector<typename Grid::Ptr> gridsNamed(const VdbFile& file, const std::string& name) {
+  const std::vector<std::string> labels = gridLabels(file);
+  std::vector<typename Grid::Ptr> found;
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (const auto grid = openvdb::gridPtrCast<Grid>(file.grids[i]))
+      if (name.empty() || labels[i] == name || grid->getName() == name) found.push_back(grid);
+  return found;
+}
+
+}  // namespace
+
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,
                                         const std::filesystem::path& path) {
   const std::vector<std::string> labels = gridLabels(file);
-  std::vector<openvdb::FloatGrid::Ptr> candidates;
+  std::vector<openvdb::FloatGrid::Ptr> candidates = gridsNamed<openvdb::FloatGrid>(file, name);
+  if (candidates.empty())
+    if (const auto doubles = gridsNamed<openvdb::DoubleGrid>(file, name); doubles.size() == 1)
+      return std::make_shared<openvdb::FloatGrid>(*doubles.front());
   std::string list;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
+  for (std::size_t i = 0; i < labels.size(); ++i)
     list += (list.empty() ? "" : ", ") + ("'" + labels[i] + "' (" + file.grids[i]->valueType() + ")");
-    const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(file.grids[i]);
-    if (floats && (name.empty() || labels[i] == name || floats->getName() == name)) candidates.push_back(floats);
-  }
   if (candidates.size() > 1 && name.empty())
     for (const std::string& preferred : distanceGrids(file.metadata))
       for (const auto& candidate : candidates)

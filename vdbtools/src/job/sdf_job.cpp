@@ -30,8 +30,9 @@ void describe(const SdfOptions& options, const openvdb::BBoxd& box, SdfResult& r
 }
 
 SdfResult redistancedVdb(const SdfOptions& options, Monitor& monitor) {
-  const Target target = readVdbTarget(options.input, options.grid);
+  const Target target = readVdbTarget(options.input, options.grid, options.mend.volume, true);
   SdfResult result;
+  result.metadata = target.facts;
   result.grid = redistanced(*target.phi, options.band, monitor);
   describe(options, target.box, result);
   return result;
@@ -45,7 +46,7 @@ OptionTable sdfOptionTable() {
        .argument = "MESH|SDF.vdb",
        .help =
            "the mesh: .obj, .ply, .stl, .off, .3mf, .glb or .gltf; with --points-radius a cloud of points; or a VDB, "
-           "whose level set gets a band of another width",
+           "whose level set gets a band of another width, or whose volume becomes a level set",
        .hash = "source-sha256"},
       {.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
       {.name = "resolution",

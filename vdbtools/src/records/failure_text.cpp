@@ -11,6 +11,8 @@ std::string optionFor(Remedy remedy) {
     case Remedy::SolidifySheet: return "; see --solidify for terrain, and --thicken for a sheet";
     case Remedy::GivePointsRadius: return "; see --points-radius";
     case Remedy::FinerDistances: return "; see --sdf-resolution";
+    case Remedy::GiveIsovalue: return "; see --iso";
+    case Remedy::TurnSign: return "; see --invert";
     case Remedy::SmallerIslands: return "; see --min-size";
     case Remedy::KeepCrumbs: return "; see --crumbs";
     case Remedy::LargerBeta: return "; see --detail, --outward and --beta";

@@ -54,6 +54,17 @@ std::vector<OptionSpec> mendOptionSpecs() {
   };
   for (OptionSpec& option : options) option.idle = idleWithoutMesh;
   options[1].idle = idleByAny({idleWithoutMesh, idleWithoutFlag("repair")});
+  options.push_back({.name = "iso",
+                     .argument = "V",
+                     .help =
+                         "make a target of any grid of a VDB, such as a density: its surface is where the grid is V. "
+                         "Inside, the grid is larger; a level set is smaller, so that V moves its surface outwards",
+                     .defaultNote = "0, and half of the largest value of a fog volume",
+                     .idle = idleWithoutVdb});
+  options.push_back({.name = "invert",
+                     .help = "turn the sign of a VDB's level set, which must be negative inside; for --iso of other "
+                             "grids, the inside is where they are smaller",
+                     .idle = idleWithoutVdb});
   return options;
 }
 
@@ -70,6 +81,8 @@ MendOptions parseMendOptions(const RecipeReader& reader) {
   if (reader.has("solidify")) options.solidify = parseSolidify(reader);
   if (reader.has("thicken")) options.thicken = reader.positive("thicken");
   if (reader.has("points-radius")) options.pointsRadius = reader.positive("points-radius");
+  if (reader.has("iso")) options.volume.isovalue = reader.number("iso");
+  options.volume.invert = reader.flag("invert");
   return options;
 }
 
@@ -82,6 +95,13 @@ std::string idleWithoutMesh(const OptionRun& run) {
          input + "'";
 }
 
+std::string idleWithoutVdb(const OptionRun& run) {
+  const std::string input = run.text("input");
+  if (!input.empty() && isVdbPath(input)) return {};
+  return "it is for a VDB as the target, and " + (input.empty() ? "there is no target" : "'" + input + "' is a mesh") +
+         "; leave it out";
+}
+
 std::string mendText(const MendOptions& options) {
   std::string text;
   if (options.repair) text += numbersText({options.gap});
@@ -90,6 +110,8 @@ std::string mendText(const MendOptions& options) {
         " solidify " + std::to_string(options.solidify->up.value_or(-1)) + ' ' + numbersText({options.solidify->depth});
   if (options.thicken > 0) text += " thicken " + numbersText({options.thicken});
   if (options.pointsRadius > 0) text += " points " + numbersText({options.pointsRadius});
+  if (options.volume.isovalue) text += " iso " + numbersText({*options.volume.isovalue});
+  if (options.volume.invert) text += " invert";
   return text;
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/lattice_transform.h"
 #include "distance/mesh_conversion.h"
+#include "distance/volume_levels.h"
 #include "repair/open_shapes.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
@@ -17,8 +18,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -194,17 +197,50 @@ bool isOfMesh(const VdbFile& file, const FloatGrid& grid) {
          renamed->second == grid.getName();
 }
 
+/// A grid whose values mean where the target is, as its signed distance. @param facts  receives what was decided
+FloatGrid::Ptr signedDistanceOf(FloatGrid::Ptr grid, const VolumeOptions& volume, bool needsCubes,
+                                std::map<std::string, std::string>& facts) {
+  // An empty grid has no surface, as makeTarget() says.
+  if (grid->activeVoxelCount() == 0) return grid;
+  std::optional<double> isovalue = volume.isovalue;
+  if (!isovalue && grid->getGridClass() == openvdb::GRID_FOG_VOLUME) {
+    const ValueRange range = valueRange(*grid);
+    if (range.least >= 0 && range.greatest > 0) {
+      isovalue = range.greatest / 2;
+      facts[kChosenIsovalue] = numbersText({*isovalue});
+    }
+  }
+  const bool isLevelSet = !isovalue || grid->getGridClass() == openvdb::GRID_LEVEL_SET;
+  if (isLevelSet && volume.invert) {
+    if (!isDense(*grid) && grid->background() > 0 && !isNegativeOutside(*grid))
+      throw std::invalid_argument("--invert turns the sign of a level set, and '" + grid->getName() +
+                                  "' is negative inside already; leave it out");
+    grid = withOtherSign(*grid);
+  }
+  const bool becomesCubes = !hasCubicVoxels(*grid) && (isovalue || needsCubes || !isDense(*grid));
+  if (!isovalue && !becomesCubes) return grid;
+  const Vec3d sides = grid->voxelSize();
+  if (becomesCubes) facts[kUnequalSides] = numbersText({sides[0], sides[1], sides[2]});
+  Monitor unwatched;
+  return levelSetOfVolume(*grid, isovalue.value_or(0), !isLevelSet && !volume.invert, unwatched);
+}
+
 }  // namespace
 
-Target readVdbTarget(const std::filesystem::path& path, const std::string& grid) {
+Target readVdbTarget(const std::filesystem::path& path, const std::string& grid, const VolumeOptions& volume,
+                     bool needsCubes) {
   const VdbFile file = readVdb(path);
-  const FloatGrid::Ptr phi = chooseFloatGrid(file, grid, path);
+  const FloatGrid::Ptr stored = chooseFloatGrid(file, grid, path);
+  std::map<std::string, std::string> facts;
+  const FloatGrid::Ptr phi = signedDistanceOf(stored, volume, needsCubes, facts);
   // The project's own SDF records the box of its mesh, half a voxel more exactly than its nodes do.
   std::optional<BBoxd> box;
-  if (const auto found = file.metadata.find(kTargetBox); found != file.metadata.end() && isOfMesh(file, *phi)) {
+  if (const auto found = file.metadata.find(kTargetBox);
+      phi == stored && found != file.metadata.end() && isOfMesh(file, *phi))
     box = boxFromMetadata(found->second, path);
-  }
-  return makeTarget(phi, box);
+  Target target = makeTarget(phi, box);
+  target.facts = std::move(facts);
+  return target;
 }
 
 }  // namespace vdbtools

@@ -71,8 +71,16 @@ std::string latticeText(const openvdb::FloatGrid& grid);
 /// @throw DataError  @a text was not made by latticeText()
 void placeOnLattice(openvdb::FloatGrid& grid, const std::string& text);
 
-/// The target in a VDB, with its box from the metadata if it is there.
-/// @throw as readVdb(), chooseFloatGrid() and makeTarget()
-Target readVdbTarget(const std::filesystem::path& path, const std::string& grid);
+/// Metadata of a file: the value of the surface of a fog volume, if nobody gave one.
+inline constexpr const char* kChosenIsovalue = "julia_chosen_iso";
+/// Metadata of a file: the sides of the target's voxels, three numbers, if they were no cubes and became some.
+inline constexpr const char* kUnequalSides = "julia_unequal_voxels";
+
+/// The target in a VDB, with its box from the metadata if it is there, and the facts above.
+/// @param needsCubes  whether voxels must be cubes even where all distances are known
+/// @throw as readVdb(), chooseFloatGrid(), levelSetOfVolume() and makeTarget()
+/// @throw std::invalid_argument  the sign is to be turned round although it is right
+Target readVdbTarget(const std::filesystem::path& path, const std::string& grid, const VolumeOptions& volume,
+                     bool needsCubes = false);
 
 }  // namespace vdbtools

@@ -141,6 +141,7 @@ Metadata shellMetadata(const ExponentGrid& exponent) {
 
 Metadata targetMetadata(const Target& target) {
   Metadata metadata{{kTargetBox, boxText(target.box)}};
+  metadata.insert(target.facts.begin(), target.facts.end());
   if (target.repairMoved) metadata["julia_repair_moved"] = numbersText({*target.repairMoved});
   if (const auto united = (*target.phi)[kUnitedParts]) metadata[kUnitedParts] = united->str();
   return metadata;

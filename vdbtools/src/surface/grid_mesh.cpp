@@ -2,18 +2,15 @@
 #include "vdbtools/surface/grid_mesh.h"
 
 #include "base/grid_memory.h"
+#include "base/lattice_transform.h"
 #include "distance/distance_band.h"
-#include "distance/leaves.h"
 #include "distance/mesh_conversion.h"
+#include "distance/volume_levels.h"
 #include "vdbtools/surface/extract_mesh.h"
 
 #include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/SignedFloodFill.h>
-#include <openvdb/tree/LeafManager.h>
-#include <openvdb/tree/ValueAccessor.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -48,14 +45,8 @@ class GridEvaluator final : public julia::FieldEvaluator {
 
 /// Checks the values as far as possible before their tiles take memory as voxels.
 void requireSigns(const openvdb::FloatGrid& levelSet) {
-  float least = levelSet.background(), most = least;
-  for (auto value = levelSet.tree().cbeginValueAll(); value; ++value) {
-    if (!std::isfinite(*value))
-      throw DataError("the grid '" + levelSet.getName() + "' holds a value that is not finite");
-    least = std::min(least, *value);
-    most = std::max(most, *value);
-  }
-  if (!(least < 0) || most < 0) refuseWithoutSurface(levelSet);
+  const ValueRange range = valueRange(levelSet);
+  if (!(range.least < 0) || range.greatest < 0) refuseWithoutSurface(levelSet);
 }
 
 }  // namespace
@@ -98,7 +89,7 @@ Mesh meshOfLevelSet(const openvdb::FloatGrid& levelSet, Monitor& monitor) {
 }
 
 openvdb::FloatGrid::Ptr redistanced(const openvdb::FloatGrid& levelSet, double band, Monitor& monitor) {
-  if (!levelSet.hasUniformVoxels())
+  if (!hasCubicVoxels(levelSet))
     throw DataError("the voxels of the grid '" + levelSet.getName() +
                     "' are not cubes, so that its distances cannot be measured on them; resample it first");
   const double voxel = levelSet.voxelSize()[0];
@@ -107,16 +98,9 @@ openvdb::FloatGrid::Ptr redistanced(const openvdb::FloatGrid& levelSet, double b
   for (openvdb::Vec3d& point : mesh.points) point = levelSet.worldToIndex(point);
   const TriangleTree tree(mesh.points, mesh.triangles);
   openvdb::FloatGrid::Ptr grid = unsignedDistances(tree, static_cast<float>(band), PhaseKind::DistanceField, monitor);
-  openvdb::tree::LeafManager<openvdb::FloatTree> leaves(grid->tree());
-  monitor.begin(PhaseKind::Signs, leaves.leafCount());
-  forEachLeaf(leaves.leafCount(), monitor, [&](std::size_t i) {
-    const openvdb::tree::ValueAccessor<const openvdb::FloatTree> signs(levelSet.tree());
-    openvdb::FloatTree::LeafNodeType& leaf = leaves.leaf(i);
-    for (auto value = leaf.beginValueAll(); value; ++value)
-      if (signs.getValue(value.getCoord()) < 0) value.setValue(-*value);
+  giveSigns(*grid, monitor, [&] {
+    return [signs = levelSet.getConstAccessor()](const openvdb::Coord& node) { return signs.getValue(node) < 0; };
   });
-  const float width = grid->background();
-  openvdb::tools::signedFloodFillWithValues(grid->tree(), width, -width);
   grid = toWorld(grid, voxel);
   grid->setTransform(levelSet.transform().copy());
   return grid;

@@ -170,7 +170,8 @@ class MeshInput final : public TargetInput {
 
 class VdbInput final : public TargetInput {
  public:
-  explicit VdbInput(const TargetOptions& options) : mTarget(readVdbTarget(options.input.path, options.grid)) {}
+  explicit VdbInput(const TargetOptions& options)
+      : mTarget(readVdbTarget(options.input.path, options.grid, options.mend.volume)) {}
 
   const BBoxd& box() const override { return mTarget.box; }
   double usualDepth() const override { return 2.5; }
@@ -234,13 +235,6 @@ std::string sha256OfMesh(const Mesh& mesh) {
   return sha256Hex(bytes);
 }
 
-std::string idleWithoutVdb(const OptionRun& run) {
-  const std::string input = run.text("input");
-  if (!input.empty() && isVdbPath(input)) return {};
-  return "it chooses a grid of a VDB as the target, and " +
-         (input.empty() ? "there is no target" : "'" + input + "' is a mesh") + "; leave it out";
-}
-
 namespace {
 
 constexpr double kUsualFps = 24;
@@ -293,7 +287,7 @@ std::vector<OptionSpec> targetOptionSpecs() {
   std::vector<OptionSpec> options = {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
-       .help = "the target: a mesh, or a VDB that holds its signed distance",
+       .help = "the target: a mesh, or a VDB that holds its signed distance or a volume",
        .hash = "source-sha256"},
       {.name = "grid",
        .argument = "NAME",

@@ -24,6 +24,8 @@ enum class Remedy {
   SolidifySheet,     ///< MendOptions::solidify, MendOptions::thicken
   GivePointsRadius,  ///< MendOptions::pointsRadius
   FinerDistances,    ///< MeshToSdfOptions::voxelSize
+  GiveIsovalue,      ///< VolumeOptions::isovalue
+  TurnSign,          ///< VolumeOptions::invert
 };
 
 /// The input was read but cannot be used: it is truncated, leaky, empty, or not finite.

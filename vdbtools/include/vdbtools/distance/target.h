@@ -6,7 +6,9 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 
+#include <map>
 #include <optional>
+#include <string>
 
 namespace vdbtools {
 
@@ -17,13 +19,14 @@ struct Target {
   /// The nodes of a dense field, index space. Outside them phi equals the nearest value on the box. A narrow band has
   /// no such box; there, phi is given by the tiles and the background.
   std::optional<openvdb::CoordBBox> denseBox;
-  std::optional<double> repairMoved{};  ///< how far a repair may have moved the surface, world units
+  std::optional<double> repairMoved{};         ///< how far a repair may have moved the surface, world units
+  std::map<std::string, std::string> facts{};  ///< metadata that say how the target was read
 };
 
 /// Takes phi unchanged: dense (every node of its active box is active) or narrow band. Active tiles are turned into
 /// voxels.
 /// @param box  the shape's box if it is known more exactly than from phi
-/// @throw DataError  phi is empty, not finite, without an inside, or a narrow band whose background is not positive
+/// @throw DataError  phi is empty, not finite, without an inside, or a narrow band that is not positive outside
 Target makeTarget(openvdb::FloatGrid::Ptr phi, std::optional<openvdb::BBoxd> box);
 
 /// The width, in voxels, of phi beyond a shell that is needed to read a neighbourhood of every point of the shell.

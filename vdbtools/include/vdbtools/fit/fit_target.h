@@ -33,7 +33,7 @@ struct FitTargetOptions {
   std::filesystem::path input;       ///< a mesh, or a VDB with a signed distance; cavities count as inside
   std::shared_ptr<const Mesh> mesh;  ///< a target in memory, for which nothing is read; input is its name
   std::string grid;                  ///< the grid of the VDB, as in chooseFloatGrid()
-  MendOptions mend;                  ///< how a mesh is mended
+  MendOptions mend;                  ///< how a solid is made of the file
   int resolution = 97;               ///< cells along the cube's side, 8 to 1000
   /// How far the surface on which roots are placed is smoothed, in cells, 0 to 4: details of this size vanish. The
   /// surface moves by at most half of it anywhere, so thicker parts remain.

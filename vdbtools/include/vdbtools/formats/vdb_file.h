@@ -86,6 +86,7 @@ std::vector<std::string> gridLabels(const VdbFile& file);
 
 /// Returns the FloatGrid called @a name, which may be its label. If the name is empty, it is the only FloatGrid, or
 /// among several the one that the file's metadata name (kDistanceGrid), or else the one called "surface" or "phi".
+/// Where there is no FloatGrid, it is a copy of the only DoubleGrid.
 /// @throw DataError  there is no such grid, it is of another type, or the choice is ambiguous; the message lists the
 ///                   grids
 openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& name,

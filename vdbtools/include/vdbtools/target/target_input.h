@@ -32,13 +32,10 @@ struct TargetOptions {
   std::optional<MeshMoment> moment{};  ///< of a glTF input, at which its animation is shown
   /// The voxels of a mesh's distance field; nullopt: as many as its thin parts need.
   std::optional<VoxelChoice> sdfVoxels{};
-  MendOptions mend;  ///< how a mesh is mended
+  MendOptions mend;  ///< how a solid is made of the file
 
   bool operator==(const TargetOptions&) const = default;
 };
-
-/// The rule for options that apply to a VDB target but not to a mesh.
-std::string idleWithoutVdb(const OptionRun& run);
 
 std::vector<OptionSpec> targetOptionSpecs();
 /// The SHA-256 of a mesh: of its points as three doubles each, followed by its triangles as three 32-bit numbers each,
