@@ -130,7 +130,7 @@ class HandOff(harness.CliTest):
         for option in (("--resolution", 30), ("--voxel-size", 0.1), ("--repair",), ("--thicken", 0.1)):
             self.refused(harness.USAGE, "sdf", "narrow.vdb", "-o", "x.vdb", *option, mentions=option[0])
         self.refused(harness.USAGE, "sdf", "t.obj", "-o", "x.vdb", "--grid", "phi", mentions="--grid")
-        self.refused(harness.BAD_DATA, "sdf", "f.vdb", "--grid", "density", "-o", "x.vdb")
+        self.refused(harness.BAD_DATA, "sdf", "f.vdb", "--grid", "phi", "-o", "x.vdb", mentions="density")
 
     def test_half(self):
         for name, options in (("full", ()), ("half", ("--half",))):

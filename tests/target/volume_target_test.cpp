@@ -2,6 +2,7 @@
 // VDBs as targets: a ball is the same target in every kind of grid that says where it is.
 #include "support/temporary_folder.h"
 
+#include "vdbtools/base/memory.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/target/target_input.h"
 
@@ -279,6 +280,13 @@ TEST_F(VolumeTarget, UnequalVoxelsBecomeCubesOfTheSmallestSide) {
   const Target target = read(dense);
   EXPECT_EQ(target.phi->voxelSize(), dense->voxelSize());
   EXPECT_TRUE(target.facts.empty());
+}
+
+TEST_F(VolumeTarget, ASurfaceThatIsTooLargeIsRefusedBeforeItIsMade) {
+  const FloatGrid::Ptr huge = FloatGrid::create(0);
+  huge->setGridClass(openvdb::GRID_FOG_VOLUME);
+  huge->sparseFill(CoordBBox(Coord(0), Coord((1 << 18) - 1, (1 << 18) - 1, (1 << 12) - 1)), 1);
+  EXPECT_THROW(read(huge), MemoryError);
 }
 
 TEST_F(VolumeTarget, ValuesThatAreNotFiniteAreRefused) {

@@ -6,6 +6,7 @@
 #include "distance/level_surface.h"
 #include "distance/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/memory.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/distance/fit_space.h"
 
@@ -21,7 +22,6 @@ namespace vdbtools {
 
 using openvdb::Coord;
 using openvdb::FloatGrid;
-using openvdb::FloatTree;
 using openvdb::Vec3d;
 
 namespace {
@@ -34,6 +34,29 @@ LevelSurface surfaceOf(const FloatGrid& field, double isovalue) {
   LevelSurface surface = levelSurface(*field.copyReplacingTransform(aboutMiddle), isovalue);
   for (Vec3d& point : surface.points) point += middle;
   return surface;
+}
+
+/// Checks what the surface of large tiles takes before it is made: a few bytes of a file can stand for a box of any
+/// size.
+void requireRoomForSurface(const FloatGrid& field, double isovalue) {
+  constexpr double kBytesOfCell = 150;
+  const auto values = field.getConstAccessor();
+  double cells = 0;
+  auto tile = field.tree().cbeginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    const openvdb::CoordBBox box = tile.getBoundingBox();
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int step : {-1, 1}) {
+        Coord beside = box.min();
+        if (step > 0) beside[axis] = box.max()[axis];
+        if (beside[axis] == (step < 0 ? Coord::min() : Coord::max())[axis]) continue;
+        beside[axis] += step;
+        if ((values.getValue(beside) < isovalue) != (*tile < isovalue))
+          cells += static_cast<double>(box.dim()[0]) * box.dim()[0];
+      }
+  }
+  requireMemory(kBytesOfCell * cells, MemoryUse::File, "the surface of the grid '" + field.getName() + "'");
 }
 
 openvdb::math::Transform::Ptr latticeOfCubes(const FloatGrid& field) {
@@ -104,6 +127,7 @@ FloatGrid::Ptr levelSetOfVolume(const FloatGrid& given, double isovalue, bool in
   const FloatGrid::ConstPtr ends = withEnd(given, insideAbove);
   const FloatGrid& field = *ends;
   requireSurface(field, isovalue, insideAbove);
+  requireRoomForSurface(field, isovalue);
   LevelSurface surface = surfaceOf(field, isovalue);
   const openvdb::math::Transform::Ptr lattice = latticeOfCubes(field);
   const double voxel = lattice->voxelSize()[0];

@@ -35,6 +35,7 @@ openvdb::FloatGrid::Ptr withOtherSign(const openvdb::FloatGrid& grid);
 /// @param insideAbove  whether the inside is where the field is larger than the value, and not where it is smaller
 /// @throw DataError  a value that is not finite, no such surface, or an inside without an end
 /// @throw std::invalid_argument  more than 2^31 nodes
+/// @throw MemoryError  they, or the surface, take more memory than is left
 openvdb::FloatGrid::Ptr levelSetOfVolume(const openvdb::FloatGrid& field, double isovalue, bool insideAbove,
                                          Monitor& monitor);
 
