@@ -8,8 +8,8 @@
 
 namespace cli {
 
-/// Lines about points that cannot be used, about parts that intersect each other, and about a VDB whose grid is no
-/// signed distance in cubes; an empty text if there is nothing to say. @param metadata  the metadata of a job
+/// Lines about points that cannot be used, about parts that intersect or enclose each other, and about a VDB whose grid
+/// is no signed distance in cubes; an empty text if there is nothing to say. @param metadata  the metadata of a job
 inline std::string targetText(const std::map<std::string, std::string>& metadata) {
   std::string text;
   if (const auto left = metadata.find("julia_points_left_out"); left != metadata.end())
@@ -22,6 +22,15 @@ inline std::string targetText(const std::map<std::string, std::string>& metadata
                 ? "the target runs into itself; its outer surface is what counts\n"
                 : united->second +
                       " parts of the target run into each other; the outer surface of their union is what counts\n";
+  const auto addParts = [&](const char* fact, const char* one, const char* several) {
+    if (const auto found = metadata.find(fact); found != metadata.end())
+      text += found->second + (found->second == "1" ? one : several) + '\n';
+  };
+  addParts("julia_hollows_filled", " hollow of the target is filled; --hollows keep makes it a cavity",
+           " hollows of the target are filled; --hollows keep makes them cavities");
+  addParts("julia_hollows_kept", " hollow of the target is a cavity", " hollows of the target are cavities");
+  addParts("julia_inner_parts", " part of the target lies inside another and changes nothing",
+           " parts of the target lie inside others and change nothing");
   if (const auto chosen = metadata.find("julia_chosen_iso"); chosen != metadata.end())
     text += "the target is a fog volume, and its surface is where it is " + chosen->second +
             ", half of its largest value; --iso sets another\n";

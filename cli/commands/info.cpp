@@ -176,10 +176,11 @@ Json vdbInfo(const std::string& path) {
     if (!info.contains("recipe") || !name.starts_with("julia_")) rest[name] = value;
   // Facts that the program found out are no options, and worth seeing; the roots themselves are for 'versor inspect'.
   for (const char* fact :
-       {"julia_version", vdbtools::kUpAxis, vdbtools::kLengthUnit, "julia_target_box", "julia_space_centre",
-        "julia_space_scale", "julia_shell", "julia_repair_moved", "julia_united_parts", "julia_points_left_out",
-        "julia_chosen_iso", "julia_unequal_voxels", "julia_origin_at", "julia_thickness", "julia_alpha_range",
-        "julia_beta_range", "julia_detail_law"})
+       {"julia_version",         vdbtools::kUpAxis,      vdbtools::kLengthUnit,  "julia_target_box",
+        "julia_space_centre",    "julia_space_scale",    "julia_shell",          "julia_repair_moved",
+        "julia_united_parts",    "julia_hollows_filled", "julia_hollows_kept",   "julia_inner_parts",
+        "julia_points_left_out", "julia_chosen_iso",     "julia_unequal_voxels", "julia_origin_at",
+        "julia_thickness",       "julia_alpha_range",    "julia_beta_range",     "julia_detail_law"})
     if (const auto found = file.metadata.find(fact); found != file.metadata.end()) rest[fact] = found->second;
   if (!rest.empty()) info["metadata"] = rest;
   return info;

@@ -31,6 +31,7 @@ RUNS = {
         ("t.ply", "--mesh", "f.ply", "--box", BOX, "--alpha", 20, *LOW),
         ("s.obj", "-o", "f.vdb", "--mesh", "f.glb", "--texture", "random", "--attributes", "trap,Cd", "--colour", "trap", *LOW),
         ("open.obj", "--repair", "--mesh", "f.ply", "--texture", "bark", "--texture-over", "coral", *LOW),
+        ("hollow.obj", "-o", "f.vdb", *LOW),
         ("pair.vdb", "--grid", "phi", "-o", "f.vdb", "--resolution", 14),
         ("turned.vdb", "--invert", "-o", "f.vdb", "--resolution", 14),
         ("--config", "quadratic.vdb", "-o", "f.vdb"),
@@ -47,6 +48,7 @@ RUNS = {
         ("walk.gltf", "-o", "f.vdb", "--target-frame", 18, "--resolution", 14, "--sdf-resolution", 100),
     ],
     "sdf": [("s.obj", "-o", "f.vdb", "--resolution", 14), ("s.obj", "-o", "f.nvdb", "--resolution", 14), ("open.obj", "--repair", "-o", "f.vdb", "--resolution", 14),
+            ("hollow.obj", "-o", "f.vdb", "--resolution", 14),
             ("s.obj", "-o", "f.####.vdb", "--resolution", 14, "--frames", "1-2"), ("pair.vdb", "-o", "f.vdb", "--grid", "phi"),
             ("turned.vdb", "--invert", "-o", "f.vdb")],
     "convert": [("s.vdb", "-o", "f.nvdb"), ("grow.####.vdb", "-o", "f.####.nvdb", "--frames", "1-2")],
@@ -74,7 +76,8 @@ RUNS = {
                ("--field", "s.obj", "-o", "f.png", "--size", "24x24", *LOW),
                ("--field", "--map", "cross", "-o", "f.exr", "--size", "12x12", "--resolution", 14),
                ("made.vdb", "-o", "f.####.png", "--size", "24x24", "--frames", "1-2", "--key", "zoom@1=1", "--key", "zoom@4=1.5")],
-    "fit": [("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
+    "fit": [("hollow.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
+            ("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("turned.vdb", "--invert", "-o", "f.json", "--roots", 9, "--resolution", 17),
             ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17),
@@ -146,6 +149,7 @@ CHANGES_NOTHING = {
 DEPENDS_ON_DATA = {
     "repair": "a closed mesh needs none",
     "repair-gap": "a mesh may have no gap of that width",
+    "hollows": "a solid may have no hollow",
     "grid": "the only grid may be named too",
     "origin": "without a target it moves a picture's frame with the set",
     "origin-shift": "without a target it moves a picture's frame with the set",
@@ -235,6 +239,8 @@ class Options(harness.CliTest):
         ball, more = harness.sphere(2), harness.moved(harness.sphere(2), 0.5, (3, 0, 0))
         self.write("two.obj", harness.obj((ball[0] + more[0],
                                            ball[1] + [tuple(k + len(ball[0]) for k in f) for f in more[1]])))
+        self.write("hollow.obj", harness.obj((ball[0] + harness.moved(ball, 0.5, (0, 0, 0))[0],
+                                              ball[1] + [tuple(k + len(ball[0]) for k in f[::-1]) for f in ball[1]])))
         self.write("open.obj", harness.obj(harness.with_hole(harness.lumpy())))
         points, faces = harness.sphere(3)
         self.write("fin.obj", harness.obj(([(x, 0.05 * y if x > 0.3 else y, z) for x, y, z in points], faces)))

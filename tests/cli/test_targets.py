@@ -36,6 +36,16 @@ def cloud(points, colours=None):
     return "\n".join([*lines, "end_header", *rows, ""])
 
 
+def shell(*balls):
+    """Balls about the origin: radii, those below 0 of balls that are turned inside out."""
+    points, faces = [], []
+    for radius in balls:
+        more, triangles = harness.sphere(4, abs(radius))
+        faces += [tuple(k + len(points) for k in (f if radius > 0 else f[::-1])) for f in triangles]
+        points += more
+    return points, faces
+
+
 def half_sphere():
     points, faces = harness.sphere(4)
     faces = [face for face in faces if all(points[p][2] > -1e-9 for p in face)]
@@ -125,13 +135,57 @@ class Targets(harness.CliTest):
         self.write("one.ply", cloud([(5, 6, 7)]))
         self.ok("fractal", "one.ply", "-o", "one.vdb", "--points-radius", 2, *LOW)
 
+    def test_hollows(self):
+        self.write("s.obj", harness.obj(shell(1, -0.6)))
+        self.write("both.obj", harness.obj(shell(1, 0.6)))
+        self.write("onion.obj", harness.obj(shell(1, -0.8, 0.6, -0.3)))
+        self.write("ball.obj", harness.obj(shell(1)))
+        filled = "1 hollow of the target is filled; --hollows keep makes it a cavity\n"
+        ball = 4 / 3 * math.pi
+        for name, options, said, volume in (
+                ("s.obj", (), filled, 1), ("s.obj", ("--hollows", "fill"), filled, 1),
+                ("s.obj", ("--hollows", "keep"), "1 hollow of the target is a cavity\n", 1 - 0.6 ** 3),
+                ("both.obj", ("--hollows", "keep"), "1 part of the target lies inside another and changes nothing\n", 1),
+                ("onion.obj", (), "2 hollows of the target are filled; --hollows keep makes them cavities\n", 1),
+                ("onion.obj", ("--hollows", "keep"), "2 hollows of the target are cavities\n",
+                 1 - 0.8 ** 3 + 0.6 ** 3 - 0.3 ** 3)):
+            with self.subTest(name=name, options=options):
+                text = self.ok("sdf", name, "-o", "s.vdb", "--resolution", 60, *options)
+                self.assertIn(said, text)
+                self.assertNotIn("run into each other", text)
+                self.ok("mesh", "s.vdb", "-o", "s.ply")
+                self.assertAlmostEqual(self.closed_volume("s.ply"), volume * ball, delta=0.03 * ball)
+                self.assertIn(said, self.ok("fractal", name, "-o", "f.vdb", "--detail", 0.1, *LOW, *options))
+        self.assertEqual(self.info("f.vdb")["metadata"]["julia_hollows_kept"], "2")
+        # The fractal has an inner surface, or is that of the ball alone.
+        detail = ("--detail", 0.1, "--mesh", "f.ply", "-o", "f.vdb", *LOW)
+        self.ok("fractal", "ball.obj", *detail)
+        whole = self.closed_volume("f.ply")
+        self.ok("fractal", "s.obj", "--hollows", "keep", *detail)
+        self.assertAlmostEqual(self.closed_volume("f.ply"), (1 - 0.6 ** 3) * ball, delta=0.1 * ball)
+        self.assertEqual(self.info("f.vdb")["recipe"]["hollows"], "keep")
+        self.ok("fractal", "--config", "f.vdb", "-o", "again.vdb")
+        self.assertEqual(self.bytes("again.vdb"), self.bytes("f.vdb"))
+        self.ok("fractal", "s.obj", "-o", "fill.vdb", "--mesh", "fill.ply", "--detail", 0.1, *LOW)
+        self.assertAlmostEqual(self.closed_volume("fill.ply"), whole, delta=1e-3 * ball)
+        # Tiles have the same bytes as the whole.
+        self.ok("fractal", "s.obj", "--hollows", "keep", "--detail", 0.1, "-o", "whole.vdb", *LOW)
+        self.ok("plan", "tiles", "s.obj", "--hollows", "keep", "--detail", 0.1, "-o", "farm", "--tiles", 3, *LOW)
+        self.ok("task", "farm", "--range", "1-3")
+        self.ok("merge", "farm", "-o", "merged.vdb")
+        self.assertEqual(self.bytes("merged.vdb"), self.bytes("whole.vdb"))
+        self.refused(USAGE, "sdf", "s.obj", "-o", "x.vdb", "--hollows", "drop", mentions=["--hollows", "fill", "keep"])
+        self.refused(USAGE, "fractal", "s.vdb", "-o", "x.vdb", "--hollows", "keep", *LOW, mentions="--hollows")
+
     def test_any_number_of_threads_makes_the_same(self):
         self.write("t.obj", harness.obj(terrain(hole=0.4)))
         points, _ = harness.sphere(3)
         self.write("c.ply", cloud(points))
         self.write("half.obj", harness.obj(half_sphere()))
+        self.write("onion.obj", harness.obj(shell(1, -0.8, 0.6, -0.3)))
         for target, *options in (("t.obj", "--thicken", 0.2), ("t.obj", "--solidify", 0.3),
-                                 ("c.ply", "--points-radius", 0.2), ("half.obj", "--repair")):
+                                 ("c.ply", "--points-radius", 0.2), ("half.obj", "--repair"),
+                                 ("onion.obj", "--hollows", "keep")):
             with self.subTest(options=options):
                 for threads in (1, 2):
                     self.ok("sdf", target, "-o", f"{threads}.vdb", "--resolution", 40, "--threads", threads, *options)

@@ -23,6 +23,7 @@ using openvdb::FloatGrid;
 using vdbtools::HiddenPlace;
 using vdbtools::MeshToSdfOptions;
 using vdbtools::Monitor;
+using vdbtools::PartCounts;
 
 class OuterSurface : public testing::Test {
  protected:
@@ -134,24 +135,28 @@ BBoxd box(double x, double y, double z, double X, double Y, double Z) { return {
 struct Arrangement {
   const char* name;
   std::vector<BBoxd> boxes;
-  std::size_t parts;  ///< those that share an edge are one
+  PartCounts parts;  ///< those that share an edge are one
 };
 
 const std::vector<Arrangement>& arrangements() {
   static const std::vector<Arrangement> all = {
-      {"two that overlap", {box(0, 0, 0, 1, 1, 1), box(0.6, 0.3, 0.4, 1.7, 0.8, 0.9)}, 2},
-      {"a thin one through another", {box(0, 0, 0, 1, 1, 1), box(-0.5, 0.4, 0.4, 1.5, 0.5, 0.5)}, 2},
-      {"one within another", {box(0, 0, 0, 1, 1, 1), box(0.1, 0.2, 0.3, 0.5, 0.6, 0.95)}, 2},
-      {"two that touch", {box(0, 0, 0, 1, 1, 1), box(1, 0.2, 0.2, 1.7, 0.8, 0.8)}, 2},
-      {"faces that coincide", {box(0, 0, 0, 1, 1, 1), box(1, 0, 0, 2, 1, 1), box(0.5, 0, 0.5, 1.5, 1, 1.5)}, 2},
-      {"the same twice", {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 1, 1, 1)}, 0},
-      {"one within another, at a corner of both", {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 0.6, 0.7, 0.5)}, 2},
-      {"one through another, from a corner of both", {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 1.5, 0.4, 0.3)}, 2},
-      {"two that meet in a corner alone", {box(0, 0, 0, 1, 1, 1), box(1, 1, 1, 1.6, 1.7, 1.5)}, 0},
+      {"two that overlap", {box(0, 0, 0, 1, 1, 1), box(0.6, 0.3, 0.4, 1.7, 0.8, 0.9)}, {.united = 2}},
+      {"a thin one through another", {box(0, 0, 0, 1, 1, 1), box(-0.5, 0.4, 0.4, 1.5, 0.5, 0.5)}, {.united = 2}},
+      {"one within another", {box(0, 0, 0, 1, 1, 1), box(0.1, 0.2, 0.3, 0.5, 0.6, 0.95)}, {.inner = 1}},
+      {"two that touch", {box(0, 0, 0, 1, 1, 1), box(1, 0.2, 0.2, 1.7, 0.8, 0.8)}, {.united = 2}},
+      {"faces that coincide",
+       {box(0, 0, 0, 1, 1, 1), box(1, 0, 0, 2, 1, 1), box(0.5, 0, 0.5, 1.5, 1, 1.5)},
+       {.united = 2}},
+      {"the same twice", {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 1, 1, 1)}, {}},
+      {"one within another, at a corner of both", {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 0.6, 0.7, 0.5)}, {.united = 2}},
+      {"one through another, from a corner of both",
+       {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 1.5, 0.4, 0.3)},
+       {.united = 2}},
+      {"two that meet in a corner alone", {box(0, 0, 0, 1, 1, 1), box(1, 1, 1, 1.6, 1.7, 1.5)}, {}},
       {"a chair",
        {box(0, 0, 0.9, 1, 1, 1.04), box(0, 0.88, 0.9, 1, 1, 2), box(0, 0, 0, 0.12, 0.12, 1),
         box(0.88, 0, 0, 1, 0.12, 1), box(0, 0.88, 0, 0.12, 1, 1), box(0.88, 0.88, 0, 1, 1, 1)},
-       5}};
+       {.united = 5}}};
   return all;
 }
 
@@ -159,9 +164,9 @@ TEST_F(OuterSurface, DistancesAreThoseOfTheUnion) {
   for (const auto& [name, given, parts] : arrangements()) {
     const Boxes boxes(given);
     const Mesh mesh = turned(boxes.mesh());
-    std::size_t united = 0;
-    EXPECT_LT(worst(*meshToSdf(mesh, kWhole, monitor, &united), boxes), 1e-3) << name;
-    EXPECT_EQ(united, parts) << name;
+    PartCounts found;
+    EXPECT_LT(worst(*meshToSdf(mesh, kWhole, monitor, &found), boxes), 1e-3) << name;
+    EXPECT_EQ(found, parts) << name;
     EXPECT_LT(worst(*meshToSdf(makeSoup(mesh, 0), kWhole, monitor), boxes), 1e-3) << name << ", a soup";
     EXPECT_LT(worst(*meshToSdf(flipped(mesh), kWhole, monitor), boxes), 1e-3) << name << ", inside out";
   }
@@ -209,9 +214,9 @@ TEST_F(OuterSurface, OnePartMayCrossItself) {
   tube.triangles.insert(tube.triangles.end(),
                         {Vec3I(0, 1, 2), Vec3I(0, 2, 3), Vec3I(e, e + 2, e + 1), Vec3I(e, e + 3, e + 2)});
   ASSERT_TRUE(reportMesh(tube).closed());
-  std::size_t united = 0;
-  EXPECT_LT(worst(*meshToSdf(turned(tube), kWhole, monitor, &united), Boxes(boxes)), 1e-3);
-  EXPECT_EQ(united, 1U);
+  PartCounts found;
+  EXPECT_LT(worst(*meshToSdf(turned(tube), kWhole, monitor, &found), Boxes(boxes)), 1e-3);
+  EXPECT_EQ(found, PartCounts{.united = 1});
 }
 
 /// A closed tube in the form of an eight, which crosses itself in the middle.
@@ -260,7 +265,7 @@ TEST_F(OuterSurface, APartIsExaminedOnlyWhereItMayCrossItself) {
   outer.push_back(inner[inner.size() / 2]);
   const auto surface = outerSurfaceOf(eight, outer);
   ASSERT_TRUE(surface);
-  EXPECT_EQ(surface->parts, 1U);
+  EXPECT_EQ(surface->parts, PartCounts{.united = 1});
   EXPECT_GT(surface->triangles.size(), eight.triangles.size() / 2);
   const Mesh left{.points = surface->points, .triangles = surface->triangles};
   for (const HiddenPlace& place : placesOf(left)) EXPECT_FALSE(Eight::isDeep(place.point)) << place.point;

@@ -34,7 +34,7 @@ class TargetsPage(unittest.TestCase):
 
     def test_it_names_every_option(self):
         said = run("juliavdb sdf --help", "/").stdout
-        for option in re.findall(r"^  --((?:repair|solidify|thicken|points|iso|invert)[a-z-]*)", said, re.M):
+        for option in re.findall(r"^  --((?:repair|solidify|thicken|points|hollows|iso|invert)[a-z-]*)", said, re.M):
             self.assertIn(f"--{option}", TEXT)
 
 

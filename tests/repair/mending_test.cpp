@@ -295,12 +295,14 @@ TEST_F(Mending, OptionsOutOfTheirDomain) {
     for (const char* value : {"", "0", "-1", "nan", "inf", "x"})
       EXPECT_THROW(parse({{name, value}}), std::invalid_argument) << name << ' ' << value;
   EXPECT_THROW(parse({{"thicken", "1"}, {"solidify", "1"}}), std::invalid_argument);
+  EXPECT_THROW(parse({{"hollows", "drop"}}), std::invalid_argument);
   const MendOptions options = parse({{"solidify", "z:0.5"}, {"repair", "true"}});
   EXPECT_EQ(options.solidify->up, 2);
   EXPECT_EQ(options.solidify->depth, 0.5);
   // Different options are kept apart.
   EXPECT_NE(vdbtools::mendText(options), vdbtools::mendText(parse({{"solidify", "0.5"}, {"repair", "true"}})));
   EXPECT_NE(vdbtools::mendText(parse({{"thicken", "1"}})), vdbtools::mendText(parse({{"points-radius", "1"}})));
+  EXPECT_NE(vdbtools::mendText(parse({{"hollows", "keep"}})), vdbtools::mendText(parse({})));
   EXPECT_THROW(vdbtools::requireResolved({.thicken = 0.1}, 0.06), std::invalid_argument);
   EXPECT_NO_THROW(vdbtools::requireResolved({.thicken = 0.1}, 0.05));
 }

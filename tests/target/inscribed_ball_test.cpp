@@ -125,12 +125,12 @@ TEST(InscribedBallOfAMesh, TouchesOnlyWhatBoundsTheShape) {
   const Mesh united = merged(makeBox(Vec3d(-0.4), Vec3d(0.4)), makeBox(Vec3d(0.1, -0.1, -0.1), Vec3d(0.7, 0.1, 0.1)));
   openvdb::initialize();
   Monitor monitor;
-  std::size_t parts = 0;
+  vdbtools::PartCounts parts;
   const auto phi = meshToSdf(
       united,
       {.voxelSize = 1.0 / 50, .exteriorBandWidth = 4, .interiorBandWidth = std::numeric_limits<double>::infinity()},
       monitor, &parts);
-  ASSERT_EQ(parts, 2u);
+  ASSERT_EQ(parts.united, 2u);
   const InscribedBall found = largestInscribedBall(*phi, Vec3d(0), &united);
   EXPECT_NEAR(found.radius, 0.4, 1e-3);
   EXPECT_NEAR(found.centre.length(), 0, 1e-2);

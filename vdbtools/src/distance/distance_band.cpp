@@ -368,6 +368,53 @@ FloatGrid::Ptr signedBand(const TriangleTree& tree, const FloatTree& sign, float
   return grid;
 }
 
+/// Calls use(bounds, sign) with the triangles that bound the inside, and the side of each node.
+/// @param counts  as in signedDistances()
+void withBounds(const TriangleTree& tree, PartCounts* counts, Monitor& monitor,
+                const std::function<void(const TriangleTree&, const FloatTree&)>& use) {
+  const Sides sides = SideFinder(tree, monitor).find();
+  if (counts) {
+    *counts = {};
+    if (const auto outer = outerSurface(tree, sides.hidden, monitor)) {
+      *counts = outer->parts;
+      return withBounds(TriangleTree(outer->points, outer->triangles, {}, tree.frames()), nullptr, monitor, use);
+    }
+  }
+  if (!sides.hidden.empty()) {
+    const std::vector<Vec3I> kept = boundingTriangles(tree, sides, monitor);
+    if (!kept.empty() && kept.size() < tree.triangles().size())
+      return use(TriangleTree(tree.points(), kept, {}, tree.frames()), sides.sign);
+  }
+  return use(tree, sides.sign);
+}
+
+/// The bounds of solids with hollows: those of all layers together.
+struct LayeredBounds {
+  LayeredBounds(const TriangleTree& tree, const NestedSurfaces& nested, Monitor& monitor) {
+    for (std::size_t layer = 0; layer < nested.layers.size(); ++layer) {
+      if (nested.layers[layer].empty()) continue;
+      PartCounts ignored;
+      withBounds(TriangleTree(tree.points(), nested.layers[layer], {}, tree.frames()), &ignored, monitor,
+                 [&](const TriangleTree& bounds, const FloatTree& side) { add(bounds, side, layer % 2 == 1); });
+    }
+  }
+
+  std::vector<Vec3d> points;
+  std::vector<Vec3I> triangles;
+  FloatTree sign{1.0F};
+
+ private:
+  void add(const TriangleTree& bounds, const FloatTree& side, bool isHollow) {
+    const Vec3I first(static_cast<Vec3I::ValueType>(points.size()));
+    points.insert(points.end(), bounds.points().begin(), bounds.points().end());
+    for (const Vec3I& t : bounds.triangles()) triangles.push_back(t + first);
+    FloatTree other(side);
+    sign.combine(other, [isHollow](float own, float added, float& result) {
+      result = isHollow ? std::max(own, -added) : std::min(own, added);
+    });
+  }
+};
+
 }  // namespace
 
 FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width, const Phase& phase, Monitor& monitor) {
@@ -381,23 +428,19 @@ FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width, const Ph
 }
 
 FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float interior, const Phase& phase,
-                               Monitor& monitor, std::size_t* united) {
-  const Sides sides = SideFinder(tree, monitor).find();
-  if (united) {
-    *united = 0;
-    if (const auto outer = outerSurface(tree, sides.hidden, monitor)) {
-      *united = outer->parts;
-      return signedDistances(TriangleTree(outer->points, outer->triangles, {}, tree.frames()), exterior, interior,
-                             phase, monitor);
+                               Monitor& monitor, PartCounts* counts, Hollows hollows) {
+  if (counts && hollows == Hollows::Keep)
+    if (const auto nested = nestedSurfaces(tree, monitor)) {
+      *counts = nested->parts;
+      const LayeredBounds bounds(tree, *nested, monitor);
+      return signedBand(TriangleTree(bounds.points, bounds.triangles, {}, tree.frames()), bounds.sign, exterior,
+                        interior, phase, monitor);
     }
-  }
-  if (!sides.hidden.empty()) {
-    const std::vector<Vec3I> kept = boundingTriangles(tree, sides, monitor);
-    if (!kept.empty() && kept.size() < tree.triangles().size())
-      return signedBand(TriangleTree(tree.points(), kept, {}, tree.frames()), sides.sign, exterior, interior, phase,
-                        monitor);
-  }
-  return signedBand(tree, sides.sign, exterior, interior, phase, monitor);
+  FloatGrid::Ptr grid;
+  withBounds(tree, counts, monitor, [&](const TriangleTree& bounds, const FloatTree& sign) {
+    grid = signedBand(bounds, sign, exterior, interior, phase, monitor);
+  });
+  return grid;
 }
 
 }  // namespace vdbtools

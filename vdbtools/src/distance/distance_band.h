@@ -6,6 +6,7 @@
 #include "search/triangle_tree.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/distance/mesh_to_sdf.h"
 
 #include <string_view>
 
@@ -24,11 +25,13 @@ openvdb::FloatGrid::Ptr unsignedDistances(const TriangleTree& tree, float width,
 /// Triangles with no outside within three voxels bound nothing: inner walls, and the parts of overlapping solids that
 /// lie inside each other. Distances are those to the other triangles.
 /// @param exterior, interior  widths of the band
-/// @param united  if not null, signs and distances are those of the outer surface of parts that intersect each other
-///                (outer_surface.h), and this receives the number of those parts
+/// @param counts  if not null, signs and distances are those of the outer surface of parts that intersect each other
+///                (outer_surface.h), and this receives what was found of the parts
+/// @param hollows  Hollows::Keep needs counts
 /// @return the grid, not pruned, flood filled; the background is @a exterior
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr signedDistances(const TriangleTree& tree, float exterior, float interior, const Phase& phase,
-                                        Monitor& monitor, std::size_t* united = nullptr);
+                                        Monitor& monitor, PartCounts* counts = nullptr,
+                                        Hollows hollows = Hollows::Fill);
 
 }  // namespace vdbtools

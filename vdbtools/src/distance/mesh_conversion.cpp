@@ -155,11 +155,11 @@ FloatGrid::Ptr toWorld(FloatGrid::Ptr grid, double voxelSize) {
 }
 
 FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                       const MeshToSdfOptions& options, Monitor& monitor, std::size_t* united) {
+                       const MeshToSdfOptions& options, Monitor& monitor, PartCounts* counts) {
   const TriangleTree tree(points, triangles, {}, framesFor(points, triangles, options));
   return toWorld(signedDistances(tree, static_cast<float>(options.exteriorBandWidth),
                                  static_cast<float>(finiteInteriorBand(tree.box(), options.interiorBandWidth)),
-                                 PhaseKind::DistanceField, monitor, united),
+                                 PhaseKind::DistanceField, monitor, counts, options.hollows),
                  options.voxelSize);
 }
 

@@ -23,10 +23,10 @@ std::vector<openvdb::Vec3d> toIndexSpace(const std::vector<openvdb::Vec3d>& poin
 
 /// Computes the signed distances of a mesh, scaled to world units, without any check.
 /// @param points  index space
-/// @param united  as in signedDistances()
+/// @param counts  as in signedDistances()
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr convert(const std::vector<openvdb::Vec3d>& points, const std::vector<openvdb::Vec3I>& triangles,
-                                const MeshToSdfOptions& options, Monitor& monitor, std::size_t* united = nullptr);
+                                const MeshToSdfOptions& options, Monitor& monitor, PartCounts* counts = nullptr);
 
 /// Converts a level set of distances in voxels to world units and names it "phi". Changes the given grid.
 openvdb::FloatGrid::Ptr toWorld(openvdb::FloatGrid::Ptr grid, double voxelSize);

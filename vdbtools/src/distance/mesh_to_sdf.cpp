@@ -76,13 +76,13 @@ void requireDistances(const openvdb::FloatGrid& grid, const Mesh& mesh, const st
 }  // namespace
 
 openvdb::FloatGrid::Ptr meshToSdf(const Mesh& mesh, const MeshToSdfOptions& options, Monitor& monitor,
-                                  std::size_t* united) {
+                                  PartCounts* counts) {
   MeshReport report = reportMesh(mesh);
   checkOptions(report, options);
   const std::vector<openvdb::Vec3d> points = toIndexSpace(mesh.points, options.voxelSize);
-  std::size_t parts = 0;
-  openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor, &parts);
-  if (united) *united = parts;
+  PartCounts found;
+  openvdb::FloatGrid::Ptr grid = convert(points, mesh.triangles, options, monitor, &found);
+  if (counts) *counts = found;
   // Points that are duplicated along seams of texture or normals, or in a soup, do not open a hole.
   if (!report.closed()) report = reportMesh(weldMesh(mesh));
   requireDistances(*grid, mesh, points, report);

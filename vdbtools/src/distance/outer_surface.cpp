@@ -287,7 +287,10 @@ class Union {
         mTriangles(mesh.triangles()),
         mParts(std::move(parts)),
         mMonitor(monitor),
-        mBuries(mParts.closure.size()) {}
+        mBuries(mParts.closure.size()),
+        mBuriesItself(mParts.closure.size()),
+        mMeets(mParts.closure.size()),
+        mSurfaces(mParts.closure.size()) {}
 
   /// Whether one of some places lies within a part.
   bool hidesOne(std::span<const HiddenPlace> places) const {
@@ -320,7 +323,7 @@ class Union {
   }
 
   OuterSurface surface() {
-    OuterSurface result{.points = mMesh.points(), .triangles = {}, .parts = 0};
+    OuterSurface result{.points = mMesh.points(), .triangles = {}, .parts = nesting().counts};
     for (std::size_t t = 0; t < mFate.size(); ++t) {
       if (mFate[t] == Fate::Kept) result.triangles.push_back(mMesh.triangles()[t]);
       if (mFate[t] != Fate::Cut) continue;
@@ -332,7 +335,17 @@ class Union {
           result.triangles.emplace_back(first, first + k, first + k + 1);
       }
     }
-    for (const std::atomic<bool>& buries : mBuries) result.parts += buries ? 1 : 0;
+    return result;
+  }
+
+  NestedSurfaces layers() {
+    const Nesting nests = nesting();
+    NestedSurfaces result{.layers = {}, .parts = nests.counts};
+    result.layers.resize(1 + *std::max_element(nests.layer.begin(), nests.layer.end()));
+    for (std::size_t t = 0; t < mTriangles.size(); ++t) {
+      const std::uint32_t part = mParts.of[t];
+      result.layers[part == kNone ? 0 : nests.layer[part]].push_back(mMesh.triangles()[t]);
+    }
     return result;
   }
 
@@ -405,6 +418,12 @@ class Union {
     return false;
   }
 
+  void noteMeeting(std::uint32_t part, std::uint32_t other) {
+    if (part == other) return;
+    mMeets[part] = mMeets[other] = true;
+    if (mParts.closure[part] != Closure::Open && mParts.closure[other] != Closure::Open) mSurfaces.join(part, other);
+  }
+
   void cutTriangle(std::uint32_t t) {
     const Vec3I& own = mTriangles[t];
     const Vec3d &a = corner(t, 0), &b = corner(t, 1), &c = corner(t, 2);
@@ -432,8 +451,11 @@ class Union {
       addSegments(plane, own, corners, segments);
       for (std::size_t k = first; k < segments.size(); ++k) {
         const Segment along = clipped(segments[k], polygon, -kTouch);
-        touched |= isLong(along) && !isAtSharedCorner(along, own, corners, polygon);
-        crossed |= isLong(clipped(segments[k], polygon, kTouch));
+        const bool touches = isLong(along) && !isAtSharedCorner(along, own, corners, polygon),
+                   crosses = isLong(clipped(segments[k], polygon, kTouch));
+        touched |= touches;
+        crossed |= crosses;
+        if (touches || crosses) noteMeeting(mParts.of[t], mParts.of[other]);
       }
     }
     if (!touched && !crossed) return;
@@ -496,9 +518,8 @@ class Union {
     int timesBeyond = 0, timesHere = 0;  ///< parity
   };
 
-  /// Whether there is an outside on one of the sides of a triangle at a point of it.
-  /// @param first  how a ray leaves the parts
-  bool hasOutside(std::uint32_t t, const Vec3d& normal, const Vec3d& point, std::vector<Passed>& first) const {
+  /// Ten directions, those along which a ray leaves a plane most steeply first.
+  static auto directionsFrom(const Vec3d& normal) {
     // Directions of no lattice, because meshes made by programs often have edges along lattice directions.
     static const Vec3d kDirections[] = {{1, 0.37139, 0.21131},   {0.23417, 1, 0.35813},  {0.36121, 0.19777, 1},
                                         {1, -0.33971, 0.24359},  {-0.21713, 1, 0.34651}, {0.37957, -0.22369, 1},
@@ -508,6 +529,13 @@ class Union {
     for (std::size_t i = 0; i < order.size(); ++i)
       order[i] = {-std::abs(normal.dot(kDirections[i])) / kDirections[i].length(), &kDirections[i]};
     std::sort(order.begin(), order.end());
+    return order;
+  }
+
+  /// Whether there is an outside on one of the sides of a triangle at a point of it.
+  /// @param first  how a ray leaves the parts
+  bool hasOutside(std::uint32_t t, const Vec3d& normal, const Vec3d& point, std::vector<Passed>& first) const {
+    const auto order = directionsFrom(normal);
     std::vector<Passed> second, third;
     const bool sees = seesOutside(t, point, *order[0].second, first);
     return sees == seesOutside(t, point, *order[1].second, second) ? sees
@@ -519,10 +547,17 @@ class Union {
     std::vector<Passed> passed;
     if (hasOutside(t, normal, point, passed)) return true;
     mBuries[mParts.of[t]] = true;
-    for (const Passed& p : passed)
-      if (isWithin(p.part, p.beyond, p.timesBeyond) || isWithin(p.part, p.beyond + p.here, p.timesBeyond + p.timesHere))
-        mBuries[p.part] = true;
+    for (const Passed& p : passed) {
+      const bool beyond = isWithinBeyond(p), before = isWithinBefore(p);
+      if (beyond || before) mBuries[p.part] = true;
+      if (beyond && before && p.part == mParts.of[t]) mBuriesItself[p.part] = true;
+    }
     return false;
+  }
+
+  bool isWithinBeyond(const Passed& p) const { return isWithin(p.part, p.beyond, p.timesBeyond); }
+  bool isWithinBefore(const Passed& p) const {
+    return isWithin(p.part, p.beyond + p.here, p.timesBeyond + p.timesHere);
   }
 
   bool isWithin(std::uint32_t part, int winding, int times) const {
@@ -581,10 +616,122 @@ class Union {
     });
     bool beyond = true, before = true;
     for (const Passed& p : passed) {
-      beyond &= !isWithin(p.part, p.beyond, p.timesBeyond);
-      before &= !isWithin(p.part, p.beyond + p.here, p.timesBeyond + p.timesHere);
+      beyond &= !isWithinBeyond(p);
+      before &= !isWithinBefore(p);
     }
     return beyond || before;
+  }
+
+  /// Where a part lies.
+  struct Surroundings {
+    int own = 0;                          ///< the winding number of the part, just inside of it, if it has one
+    int others = 0;                       ///< the sum of those of other surfaces
+    std::vector<std::uint32_t> surfaces;  ///< those that enclose the part
+    bool areOriented = true;              ///< whether these have winding numbers
+    bool operator==(const Surroundings&) const = default;
+  };
+
+  bool isOriented(std::uint32_t part) const { return mParts.closure[part] == Closure::Winding; }
+
+  /// The surroundings of a part as a ray from one of its triangles sees them.
+  /// @return empty if the triangle lies within its own surface
+  std::optional<Surroundings> seenFrom(std::uint32_t t, const Vec3d& direction) {
+    std::vector<Passed> passed;
+    seesOutside(t, middleOf(t), direction, passed);
+    const std::uint32_t part = mParts.of[t], surface = mSurfaces.find(part);
+    Surroundings result;
+    for (const Passed& p : passed) {
+      const bool beyond = isWithinBeyond(p), before = isWithinBefore(p);
+      if (p.part == part) {
+        if (beyond == before) return std::nullopt;
+        if (isOriented(part)) result.own = beyond ? p.beyond : p.beyond + p.here;
+      } else if (beyond != before || (beyond && mSurfaces.find(p.part) == surface)) {
+        return std::nullopt;
+      } else if (beyond) {
+        if (isOriented(p.part)) result.others += p.beyond;
+        result.surfaces.push_back(mSurfaces.find(p.part));
+        result.areOriented &= isOriented(p.part);
+      }
+    }
+    std::sort(result.surfaces.begin(), result.surfaces.end());
+    result.surfaces.erase(std::unique(result.surfaces.begin(), result.surfaces.end()), result.surfaces.end());
+    return result;
+  }
+
+  /// @param triangles  of a part; the largest ones are asked first. @return empty if it lies within others of its
+  /// surface
+  std::optional<Surroundings> surroundings(const std::vector<std::uint32_t>& triangles) {
+    const auto area = [this](std::uint32_t t) {
+      return (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).lengthSqr();
+    };
+    std::vector<std::pair<double, std::uint32_t>> order;
+    for (const std::uint32_t t : triangles)
+      if (!isSliver(t)) order.emplace_back(-area(t), t);
+    std::sort(order.begin(), order.end());
+    for (const auto& [size, t] : order) {
+      const auto directions = directionsFrom(planeOf(t).normal());
+      std::optional<Surroundings> seen = seenFrom(t, *directions[0].second);
+      if (seen && seen == seenFrom(t, *directions[1].second)) return seen;
+    }
+    return std::nullopt;
+  }
+
+  struct Nesting {
+    std::vector<std::uint32_t> layer;  ///< of each part, as in NestedSurfaces
+    PartCounts counts;
+  };
+
+  Nesting nesting() {
+    const std::size_t count = mParts.closure.size();
+    std::vector<std::vector<std::uint32_t>> triangles(count);
+    for (std::uint32_t t = 0; t < mTriangles.size(); ++t)
+      if (mParts.of[t] != kNone && mParts.closure[mParts.of[t]] != Closure::Open) triangles[mParts.of[t]].push_back(t);
+    std::vector<std::optional<Surroundings>> around(count);
+    inParallel(count, 1, mMonitor, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) around[p] = surroundings(triangles[p]);
+    });
+    // The surfaces have the numbers of their first parts.
+    enum class Kind : std::uint8_t { Solid, Hollow, Neither };
+    struct Surface {
+      const Surroundings* around = nullptr;
+      bool endsInside = true;  ///< whether the winding number is 0 just inside of each part
+      Kind kind = Kind::Solid;
+    };
+    std::vector<Surface> surfaces(count);
+    for (std::uint32_t p = 0; p < count; ++p) {
+      Surface& surface = surfaces[mSurfaces.find(p)];
+      if (!around[p]) continue;
+      if (!surface.around) surface.around = &*around[p];
+      surface.endsInside &= isOriented(p) && around[p]->areOriented && around[p]->others + around[p]->own == 0;
+    }
+    for (Surface& surface : surfaces)
+      if (surface.around && !surface.around->surfaces.empty()) {
+        const bool isInSolid = surface.around->others != 0 || !surface.around->areOriented;
+        surface.kind = !isInSolid ? Kind::Solid : surface.endsInside ? Kind::Hollow : Kind::Neither;
+      }
+    Nesting result;
+    result.layer.assign(count, 0);
+    for (std::uint32_t s = 0; s < count; ++s) {
+      const Surface& surface = surfaces[s];
+      if (surface.kind == Kind::Neither) ++result.counts.inner;
+      if (surface.kind == Kind::Neither || !surface.around) continue;
+      const std::vector<std::uint32_t>& enclosing = surface.around->surfaces;
+      const auto depth = std::count_if(enclosing.begin(), enclosing.end(),
+                                       [&](std::uint32_t other) { return surfaces[other].kind != Kind::Neither; });
+      // Where surfaces cross, a winding number may say otherwise; such a surface bounds nothing.
+      if ((depth % 2 == 1) != (surface.kind == Kind::Hollow)) continue;
+      result.layer[s] = static_cast<std::uint32_t>(depth);
+      if (surface.kind == Kind::Hollow) ++result.counts.hollows;
+    }
+    for (std::uint32_t p = 0; p < count; ++p) {
+      const std::uint32_t s = mSurfaces.find(p);
+      result.layer[p] = result.layer[s];
+      if (mBuriesItself[p] || (mBuries[p] && mMeets[p]))
+        ++result.counts.united;
+      else if (mBuries[p] && mParts.closure[p] == Closure::Open)
+        ++result.counts.inner;
+    }
+    return result;
   }
 
   const TriangleTree& mMesh;
@@ -595,7 +742,9 @@ class Union {
   std::vector<Fate> mFate;
   std::vector<std::uint32_t> mPartner;  ///< three per triangle: the triangle beyond each edge, if there is exactly one
   tbb::concurrent_unordered_map<std::uint32_t, std::vector<Polygon>> mPieces;  ///< of triangles with Fate::Cut
-  std::vector<std::atomic<bool>> mBuries;  ///< parts that lie in others or have others in them
+  std::vector<std::atomic<bool>> mBuries;                ///< parts that lie in others or have others in them
+  std::vector<std::atomic<bool>> mBuriesItself, mMeets;  ///< mMeets: parts that intersect or touch others
+  DisjointSets<std::uint32_t> mSurfaces;                 ///< closed parts that intersect or touch each other
 };
 
 }  // namespace
@@ -615,6 +764,18 @@ std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<con
   all.find(welded);
   if (!all.buriesAnything()) return std::nullopt;
   return all.surface();
+}
+
+std::optional<NestedSurfaces> nestedSurfaces(const TriangleTree& mesh, Monitor& monitor) {
+  const Welded welded(mesh);
+  monitor.throwIfCancelled();
+  Parts parts = findParts(welded, monitor);
+  if (!mayMeet(parts)) return std::nullopt;
+  Union all(welded, std::move(parts), monitor);
+  all.find(welded);
+  NestedSurfaces result = all.layers();
+  if (result.parts.hollows == 0) return std::nullopt;
+  return result;
 }
 
 }  // namespace vdbtools

@@ -6,6 +6,7 @@
 #include "search/triangle_tree.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/distance/mesh_to_sdf.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -25,7 +26,15 @@ struct HiddenPlace {
 struct OuterSurface {
   std::vector<openvdb::Vec3d> points;
   std::vector<openvdb::Vec3I> triangles;  ///< remaining triangles, and pieces of others, in the mesh's order
-  std::size_t parts = 0;  ///< number of parts that intersect others; a part that intersects itself counts, too
+  PartCounts parts{};
+};
+
+/// The parts of a mesh, by the number of surfaces of the solid that enclose them.
+struct NestedSurfaces {
+  /// The triangles of solids, of the hollows in them, of the solids in these hollows, and so on. The first layer also
+  /// has all triangles that bound neither.
+  std::vector<std::vector<openvdb::Vec3I>> layers;
+  PartCounts parts{};
 };
 
 /// Removes everything of a mesh that lies within one of its closed parts; triangles that parts intersect are cut along
@@ -41,5 +50,14 @@ struct OuterSurface {
 /// @throw Interrupted
 std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<const HiddenPlace> hidden,
                                          Monitor& monitor);
+
+/// Finds the hollows of solids. Parts that intersect or touch each other, in more than a point, are one surface. A
+/// surface bounds a hollow if the winding number, summed over all parts, is 0 just inside of it and is not 0 just
+/// outside of it. Only closed parts whose edges are used equally often in both directions decide: within others there
+/// is no hollow.
+/// @param mesh  as above
+/// @return empty if there is no hollow
+/// @throw Interrupted
+std::optional<NestedSurfaces> nestedSurfaces(const TriangleTree& mesh, Monitor& monitor);
 
 }  // namespace vdbtools

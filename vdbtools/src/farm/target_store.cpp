@@ -104,8 +104,9 @@ class KeptTarget final : public TargetInput {
       placeOnLattice(*kept.target.phi, file.metadata.at(kLattice));
       if (const auto moved = file.metadata.find(kMoved); moved != file.metadata.end())
         kept.target.repairMoved = parseNumber(kMoved, moved->second);
-      if (const auto united = file.metadata.find(kUnitedParts); united != file.metadata.end())
-        kept.target.phi->insertMeta(kUnitedParts, openvdb::StringMetadata(united->second));
+      for (const char* fact : kPartFacts)
+        if (const auto found = file.metadata.find(fact); found != file.metadata.end())
+          kept.target.phi->insertMeta(fact, openvdb::StringMetadata(found->second));
       if (const auto found = file.metadata.find(kWidths); found != file.metadata.end()) {
         const std::vector<std::string> both = split(found->second, ',');
         const auto width = [&](std::size_t i) { return numberFromText(both.at(i)).value(); };
@@ -128,7 +129,8 @@ class KeptTarget final : public TargetInput {
       options.metadata[kWidths] =
           numbersText({widths.exterior, widths.interior}) + ',' + (widths.wholeInside ? kWholeInside : kInside);
       if (target.repairMoved) options.metadata[kMoved] = numbersText({*target.repairMoved});
-      if (const auto united = (*target.phi)[kUnitedParts]) options.metadata[kUnitedParts] = united->str();
+      for (const char* fact : kPartFacts)
+        if (const auto found = (*target.phi)[fact]) options.metadata[fact] = found->str();
       const std::string bytes = encodeVdb({grid}, options);
       AtomicFile file(path), hash(hashPathOf(path));
       file.stream() << bytes;

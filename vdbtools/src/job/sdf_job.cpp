@@ -102,7 +102,7 @@ SdfResult runSdf(const SdfOptions& options, Monitor& monitor) {
   result.caps = sdf.caps;
   describe(options, source.box, result);
   if (sdf.moved) result.metadata["julia_repair_moved"] = numbersText({*sdf.moved});
-  if (sdf.united > 0) result.metadata[kUnitedParts] = std::to_string(sdf.united);
+  result.metadata.merge(partFacts(sdf.parts, options.mend.hollows));
   if (source.mesh->pointsLeftOut > 0) result.metadata[kPointsLeftOut] = std::to_string(source.mesh->pointsLeftOut);
   return result;
 }

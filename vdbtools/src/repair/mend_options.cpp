@@ -51,6 +51,11 @@ std::vector<OptionSpec> mendOptionSpecs() {
        .argument = "R",
        .help = "make a solid of a cloud of points: everything within R of a point of the file, in its units; faces are "
                "not used"},
+      {.name = "hollows",
+       .argument = "fill|keep",
+       .defaultValue = "fill",
+       .help = "what becomes of closed parts within others: fill makes one solid of them; keep leaves a cavity where "
+               "the orientation of the inner part says that there is one"},
   };
   for (OptionSpec& option : options) option.idle = idleWithoutMesh;
   options[1].idle = idleByAny({idleWithoutMesh, idleWithoutFlag("repair")});
@@ -81,6 +86,7 @@ MendOptions parseMendOptions(const RecipeReader& reader) {
   if (reader.has("solidify")) options.solidify = parseSolidify(reader);
   if (reader.has("thicken")) options.thicken = reader.positive("thicken");
   if (reader.has("points-radius")) options.pointsRadius = reader.positive("points-radius");
+  options.hollows = reader.choice<Hollows>("hollows", {{"fill", Hollows::Fill}, {"keep", Hollows::Keep}});
   if (reader.has("iso")) options.volume.isovalue = reader.number("iso");
   options.volume.invert = reader.flag("invert");
   return options;
@@ -110,6 +116,7 @@ std::string mendText(const MendOptions& options) {
         " solidify " + std::to_string(options.solidify->up.value_or(-1)) + ' ' + numbersText({options.solidify->depth});
   if (options.thicken > 0) text += " thicken " + numbersText({options.thicken});
   if (options.pointsRadius > 0) text += " points " + numbersText({options.pointsRadius});
+  if (options.hollows == Hollows::Keep) text += " hollows";
   if (options.volume.isovalue) text += " iso " + numbersText({*options.volume.isovalue});
   if (options.volume.invert) text += " invert";
   return text;

@@ -292,12 +292,12 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
   double bestLost = 1;
   const double widest = repair.gap > 0 ? repair.gap : std::max(longest / 4, 2 * h);
   const auto tryCaps = [&](const HoleCappedMesh& capped) {
-    std::size_t united = 0;
+    PartCounts parts;
     const FloatGrid::Ptr grid =
-        convert(toIndexSpace(capped.mesh.points, h), capped.mesh.triangles, options, monitor, &united);
+        convert(toIndexSpace(capped.mesh.points, h), capped.mesh.triangles, options, monitor, &parts);
     const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
     if (lost >= bestLost) return;
-    best = {grid, howFarLeftOut(*grid, welded, options), capped.widest, capped.caps, united};
+    best = {grid, howFarLeftOut(*grid, welded, options), capped.widest, capped.caps, parts};
     bestLost = lost;
   };
   bool sheetsOnly = false, hasGaps = false;
@@ -328,11 +328,11 @@ RepairedSdf repairedMeshToSdf(const Mesh& mesh, const MeshToSdfOptions& options,
       if (closing.lost > kLostClearly) break;
       for (const bool all : {false, true}) {
         const LevelSurface surface = withLids(welded, closing, h, all);
-        std::size_t united = 0;
-        const FloatGrid::Ptr grid = convert(surface.points, surface.triangles, options, monitor, &united);
+        PartCounts parts;
+        const FloatGrid::Ptr grid = convert(surface.points, surface.triangles, options, monitor, &parts);
         const double lost = insideNodes(*grid) > 0 ? lostShare(*grid, samples) : 1;
         if (lost < bestLost) {
-          best = {grid, howFarMoved(*grid, closing, gap, welded, options), gap, 0, united};
+          best = {grid, howFarMoved(*grid, closing, gap, welded, options), gap, 0, parts};
           bestLost = lost;
         }
         isClosed = lost <= kLostAtMost;

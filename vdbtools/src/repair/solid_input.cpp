@@ -97,16 +97,18 @@ MeshToSdfOptions sdfBand(double voxelSize, double exteriorWidth, double interior
   return {.voxelSize = voxelSize, .exteriorBandWidth = exteriorWidth, .interiorBandWidth = interiorWidth};
 }
 
-MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOptions& mend, Monitor& monitor) {
-  if (mend.offset() > 0)
-    return {.grid = meshToSdf(offsetSurface(solid, mend.offset(), options.voxelSize, monitor), options, monitor)};
-  if (!mend.repair || mend.solidify) {
+MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& asked, const MendOptions& mend, Monitor& monitor) {
+  MeshToSdfOptions options = asked;
+  options.hollows = mend.hollows;
+  if (mend.offset() > 0 || !mend.repair || mend.solidify) {
     MeshSdf sdf;
-    sdf.grid = meshToSdf(solid, options, monitor, &sdf.united);
+    sdf.grid = mend.offset() > 0 ? meshToSdf(offsetSurface(solid, mend.offset(), options.voxelSize, monitor), options,
+                                             monitor, &sdf.parts)
+                                 : meshToSdf(solid, options, monitor, &sdf.parts);
     return sdf;
   }
   RepairedSdf repaired = repairedMeshToSdf(solid, options, {.gap = mend.gap}, monitor);
-  return {repaired.grid, repaired.moved, repaired.closedGap, repaired.caps, repaired.united};
+  return {repaired.grid, repaired.moved, repaired.closedGap, repaired.caps, repaired.parts};
 }
 
 namespace {

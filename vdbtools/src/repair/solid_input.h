@@ -54,10 +54,11 @@ struct MeshSdf {
   openvdb::FloatGrid::Ptr grid{};
   std::optional<double> moved{}, closedGap{};  ///< results of a repair, world units
   std::size_t caps = 0;                        ///< holes that a repair capped
-  std::size_t united = 0;                      ///< parts that intersect each other, as in meshToSdf()
+  PartCounts parts{};                          ///< as in meshToSdf()
 };
 
-/// Uses meshToSdf() or repairedMeshToSdf(), on the mesh or on the surface at a distance from it.
+/// Uses meshToSdf() or repairedMeshToSdf(), on the mesh or on the surface at a distance from it, with the hollows of
+/// @a mend.
 MeshSdf makeSdf(const Mesh& solid, const MeshToSdfOptions& options, const MendOptions& mend, Monitor& monitor);
 
 /// As makeSdf(), on a lattice centred on the target. Its nodes sample the shape in the same way wherever the shape

@@ -143,7 +143,8 @@ Metadata targetMetadata(const Target& target) {
   Metadata metadata{{kTargetBox, boxText(target.box)}};
   metadata.insert(target.facts.begin(), target.facts.end());
   if (target.repairMoved) metadata["julia_repair_moved"] = numbersText({*target.repairMoved});
-  if (const auto united = (*target.phi)[kUnitedParts]) metadata[kUnitedParts] = united->str();
+  for (const char* fact : kPartFacts)
+    if (const auto found = (*target.phi)[fact]) metadata[fact] = found->str();
   return metadata;
 }
 

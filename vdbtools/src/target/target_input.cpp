@@ -85,7 +85,8 @@ class MeshInput final : public TargetInput {
     const MeshSdf sdf = sdfOf(sdfBandOf(widths, monitor), monitor);
     Target target = makeTarget(sdf.grid, mSource.box);
     target.repairMoved = sdf.moved;
-    if (sdf.united > 0) target.phi->insertMeta(kUnitedParts, openvdb::StringMetadata(std::to_string(sdf.united)));
+    for (const auto& [name, count] : partFacts(sdf.parts, mMend.hollows))
+      target.phi->insertMeta(name, openvdb::StringMetadata(count));
     return target;
   }
 
@@ -94,7 +95,8 @@ class MeshInput final : public TargetInput {
     if (phi == distances.phi) return distances;
     Target target = makeTarget(phi, distances.box);
     target.repairMoved = distances.repairMoved;
-    if (const auto united = (*distances.phi)[kUnitedParts]) target.phi->insertMeta(kUnitedParts, *united);
+    for (const char* fact : kPartFacts)
+      if (const auto found = (*distances.phi)[fact]) target.phi->insertMeta(fact, *found);
     return target;
   }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mend_options.h
 /// How a file that holds no solid becomes a target. Of a mesh that bounds no volume, holes are closed, terrain becomes
-/// a block, a sheet a plate, and a point cloud a union of balls; cavities that the result encloses are inside. Of a VDB
-/// that holds no signed distance, negative inside, one surface of its values is the target's.
+/// a block, a sheet a plate, and a point cloud a union of balls; cavities that the result encloses are inside, unless
+/// they are to be kept. Of a VDB that holds no signed distance, negative inside, one surface of its values is the
+/// target's.
 #pragma once
 
+#include "vdbtools/distance/mesh_to_sdf.h"
 #include "vdbtools/recipe/recipe_reader.h"
 
 #include <optional>
@@ -37,7 +39,8 @@ struct MendOptions {
   std::optional<SolidifyOptions> solidify{};
   double thicken = 0;       ///< solid of all points within half of this from the mesh, world units; 0: not requested
   double pointsRadius = 0;  ///< solid of all points within this from the mesh's points, world units; 0: not requested
-  VolumeOptions volume{};   ///< of a VDB; the others are of a mesh
+  Hollows hollows = Hollows::Fill;
+  VolumeOptions volume{};  ///< of a VDB; the others are of a mesh
 
   /// Distance of the surface from the mesh, or from its points, world units.
   double offset() const { return pointsRadius > 0 ? pointsRadius : thicken / 2; }

@@ -20,8 +20,8 @@ struct RepairedSdf {
   double moved = 0;
   /// The widest gap that is guaranteed to be closed, world units.
   double closedGap = 0;
-  std::size_t caps = 0;    ///< holes that were capped
-  std::size_t united = 0;  ///< number of parts that intersect each other, as in meshToSdf()
+  std::size_t caps = 0;  ///< holes that were capped
+  PartCounts parts{};    ///< as in meshToSdf()
 };
 
 struct RepairOptions {
