@@ -3,7 +3,7 @@
 /// so that every piece lies entirely inside or entirely outside a part; and it tests at one point of each piece, or of
 /// each patch of uncut triangles, on which of its two sides there is an outside. Pieces need not fit together, because
 /// only distances to them are needed. Therefore nothing here depends on exact arithmetic: a rounding error makes a gap
-/// of its own size.
+/// of its own size. Parts that no other one meets may lie inside others; rays from them tell what they bound.
 #include "distance/outer_surface.h"
 
 #include "base/disjoint_sets.h"
@@ -658,16 +658,19 @@ class Union {
     return result;
   }
 
-  /// @param triangles  of a part; the largest ones are asked first. @return empty if it lies within others of its
-  /// surface
+  /// @param triangles  of a part; the largest ones are asked
+  /// @return empty if they lie within other parts of the surface, so that these decide
   std::optional<Surroundings> surroundings(const std::vector<std::uint32_t>& triangles) {
+    constexpr std::size_t kMostAsked = 256;
     const auto area = [this](std::uint32_t t) {
       return (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).lengthSqr();
     };
     std::vector<std::pair<double, std::uint32_t>> order;
     for (const std::uint32_t t : triangles)
       if (!isSliver(t)) order.emplace_back(-area(t), t);
-    std::sort(order.begin(), order.end());
+    const auto asked = order.begin() + static_cast<std::ptrdiff_t>(std::min(order.size(), kMostAsked));
+    std::partial_sort(order.begin(), asked, order.end());
+    order.erase(asked, order.end());
     for (const auto& [size, t] : order) {
       const auto directions = directionsFrom(planeOf(t).normal());
       std::optional<Surroundings> seen = seenFrom(t, *directions[0].second);
@@ -683,9 +686,16 @@ class Union {
 
   Nesting nesting() {
     const std::size_t count = mParts.closure.size();
-    std::vector<std::vector<std::uint32_t>> triangles(count);
+    // A surface of which anything is left lies within no other one.
+    std::vector<char> isOuter(count, 0);
     for (std::uint32_t t = 0; t < mTriangles.size(); ++t)
-      if (mParts.of[t] != kNone && mParts.closure[mParts.of[t]] != Closure::Open) triangles[mParts.of[t]].push_back(t);
+      if (mFate[t] == Fate::Kept || mFate[t] == Fate::Cut) isOuter[mSurfaces.find(mParts.of[t])] = 1;
+    std::vector<std::vector<std::uint32_t>> triangles(count);
+    for (std::uint32_t t = 0; t < mTriangles.size(); ++t) {
+      const std::uint32_t part = mParts.of[t];
+      if (part != kNone && mParts.closure[part] != Closure::Open && !isOuter[mSurfaces.find(part)])
+        triangles[part].push_back(t);
+    }
     std::vector<std::optional<Surroundings>> around(count);
     inParallel(count, 1, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) around[p] = surroundings(triangles[p]);
