@@ -420,7 +420,9 @@ class Union {
 
   void noteMeeting(std::uint32_t part, std::uint32_t other) {
     if (part == other) return;
-    mMeets[part] = mMeets[other] = true;
+    // Stores that change nothing would make the threads wait for each other.
+    for (const std::uint32_t p : {part, other})
+      if (!mMeets[p]) mMeets[p] = true;
     if (mParts.closure[part] != Closure::Open && mParts.closure[other] != Closure::Open) mSurfaces.join(part, other);
   }
 
