@@ -451,14 +451,16 @@ class Union {
       if (std::find(partners, partners + 3, other) != partners + 3) continue;
       const std::size_t first = segments.size();
       addSegments(plane, own, corners, segments);
+      bool meets = false;
       for (std::size_t k = first; k < segments.size(); ++k) {
         const Segment along = clipped(segments[k], polygon, -kTouch);
         const bool touches = isLong(along) && !isAtSharedCorner(along, own, corners, polygon),
                    crosses = isLong(clipped(segments[k], polygon, kTouch));
         touched |= touches;
         crossed |= crosses;
-        if (touches || crosses) noteMeeting(mParts.of[t], mParts.of[other]);
+        meets |= touches || crosses;
       }
+      if (meets) noteMeeting(mParts.of[t], mParts.of[other]);
     }
     if (!touched && !crossed) return;
     mFate[t] = Fate::Touched;

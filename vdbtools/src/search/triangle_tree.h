@@ -8,6 +8,7 @@
 #include "vdbtools/base/grids.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -72,9 +73,11 @@ class TriangleTree {
  private:
   friend class BlockDistances;
 
-  /// Visits the triangles of all packs for whose boxes, and those of the nodes above them, meets(node, lane) is true.
+  /// Visits the triangles for whose boxes, and those of the packs and nodes above them, meets(boxes) has a bit.
   template <class Meets, class Visit>
   void walk(const Meets& meets, const Visit& visit) const;
+  /// Those of its triangles, as those of a node's children.
+  kernels::BoxNode boxesOf(const kernels::TrianglePack& pack) const;
 
   const std::vector<openvdb::Vec3d>& mPoints;
   const std::vector<openvdb::Vec3I>& mTriangles;
@@ -99,23 +102,40 @@ void TriangleTree::walk(const Meets& meets, const Visit& visit) const {
   stack[size++] = {0, mLevels.size() - 1};
   while (size > 0) {
     const Open open = stack[--size];
-    const kernels::BoxNode& node = mLevels[open.level][open.node];
-    for (unsigned lane = 0; lane < kPack; ++lane) {
-      if (!meets(node, lane)) continue;
-      const std::size_t child = kPack * open.node + lane;
+    const std::size_t children = open.level > 0 ? mLevels[open.level - 1].size() : mNumbers.size();
+    for (unsigned bits = meets(mLevels[open.level][open.node]); bits != 0; bits &= bits - 1) {
+      const std::size_t child = kPack * open.node + static_cast<unsigned>(std::countr_zero(bits));
+      if (child >= children) break;  // missing ones are far away, where a ray may arrive
       if (open.level > 0) {
         stack[size++] = {child, open.level - 1};
         continue;
       }
       const auto& numbers = mNumbers[child].triangle;
-      // The last pack is filled with copies of its first triangle.
-      for (unsigned k = 0; k < kPack && (k == 0 || numbers[k] != numbers[0]); ++k) visit(numbers[k]);
+      for (unsigned lanes = meets(boxesOf(mPacks[child])); lanes != 0; lanes &= lanes - 1) {
+        const auto k = static_cast<unsigned>(std::countr_zero(lanes));
+        // The last pack is filled with copies of its first triangle.
+        if (k == 0 || numbers[k] != numbers[0]) visit(numbers[k]);
+      }
     }
   }
 }
 
+inline kernels::BoxNode TriangleTree::boxesOf(const kernels::TrianglePack& pack) const {
+  kernels::BoxNode boxes;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto shift = static_cast<float>(pack.origin[axis] - mView.centre[axis]);
+    for (unsigned k = 0; k < kernels::kPack; ++k) {
+      const float a = pack.corner[0][axis][k], b = pack.corner[1][axis][k], c = pack.corner[2][axis][k];
+      boxes.low[axis][k] = std::min(std::min(a, b), c) + shift;
+      boxes.high[axis][k] = std::max(std::max(a, b), c) + shift;
+    }
+  }
+  return boxes;
+}
+
 template <class Visit>
 void TriangleTree::meeting(const openvdb::BBoxd& box, const Visit& visit) const {
+  using kernels::kPack;
   float low[3], high[3];
   for (int axis = 0; axis < 3; ++axis) {
     const double centre = mOrigin[axis] + mView.centre[axis];
@@ -123,9 +143,15 @@ void TriangleTree::meeting(const openvdb::BBoxd& box, const Visit& visit) const 
     high[axis] = static_cast<float>(box.max()[axis] - centre) + 2 * mView.boxSlack;
   }
   walk(
-      [&](const kernels::BoxNode& node, unsigned k) {
-        return (node.low[0][k] <= high[0]) & (node.high[0][k] >= low[0]) & (node.low[1][k] <= high[1]) &
-               (node.high[1][k] >= low[1]) & (node.low[2][k] <= high[2]) & (node.high[2][k] >= low[2]);
+      [&](const kernels::BoxNode& node) {
+        // Loops over lanes become vectors.
+        float apart[kPack] = {};
+        for (int axis = 0; axis < 3; ++axis)
+          for (unsigned k = 0; k < kPack; ++k)
+            apart[k] = std::max(apart[k], std::max(node.low[axis][k] - high[axis], low[axis] - node.high[axis][k]));
+        unsigned bits = 0;
+        for (unsigned k = 0; k < kPack; ++k) bits |= (apart[k] <= 0 ? 1U : 0U) << k;
+        return bits;
       },
       visit);
 }
@@ -133,24 +159,33 @@ void TriangleTree::meeting(const openvdb::BBoxd& box, const Visit& visit) const 
 template <class Visit>
 void TriangleTree::along(const openvdb::Vec3d& start, const openvdb::Vec3d& direction, double slack,
                          const Visit& visit) const {
-  const openvdb::Vec3d inverse = 1.0 / direction;
-  const double wider = slack + 2 * double{mView.boxSlack};
-  double low[3], high[3];
+  using kernels::kPack;
+  // Floats err by less than the slack of boxes, which grows with the tree.
+  const float wider = static_cast<float>(slack) + 4 * mView.boxSlack;
+  float low[3], high[3], inverse[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const double at = start[axis] - mOrigin[axis] - mView.centre[axis];
+    const auto at = static_cast<float>(start[axis] - mOrigin[axis] - mView.centre[axis]);
     low[axis] = at + wider;
     high[axis] = at - wider;
+    inverse[axis] = static_cast<float>(1 / direction[axis]);
   }
   walk(
-      [&](const kernels::BoxNode& node, unsigned k) {
-        double from = -2 * wider, to = std::numeric_limits<double>::infinity();
-        for (int axis = 0; axis < 3; ++axis) {
-          const double a = (node.low[axis][k] - low[axis]) * inverse[axis],
-                       b = (node.high[axis][k] - high[axis]) * inverse[axis];
-          from = std::max(from, std::min(a, b));
-          to = std::min(to, std::max(a, b));
+      [&](const kernels::BoxNode& node) {
+        float from[kPack], to[kPack];
+        for (unsigned k = 0; k < kPack; ++k) {
+          from[k] = -2 * wider;
+          to[k] = std::numeric_limits<float>::infinity();
         }
-        return from <= to;
+        for (int axis = 0; axis < 3; ++axis)
+          for (unsigned k = 0; k < kPack; ++k) {
+            const float a = (node.low[axis][k] - low[axis]) * inverse[axis],
+                        b = (node.high[axis][k] - high[axis]) * inverse[axis];
+            from[k] = std::max(from[k], std::min(a, b));
+            to[k] = std::min(to[k], std::max(a, b));
+          }
+        unsigned bits = 0;
+        for (unsigned k = 0; k < kPack; ++k) bits |= (from[k] <= to[k] ? 1U : 0U) << k;
+        return bits;
       },
       visit);
 }
