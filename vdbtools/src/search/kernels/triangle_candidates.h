@@ -134,6 +134,14 @@ inline FromBoxes fromBoxes(const PackBoxes& boxes, const float p[3]) {
   return from;
 }
 
+/// The number of the lane with the least value.
+inline unsigned leastLane(Floats values) {
+  unsigned least = 0;
+  for (unsigned k = 1; k < kWide; ++k)
+    if (values[k] < values[least]) least = k;
+  return least;
+}
+
 /// Finds the vectors of candidates that may hold the triangle nearest to some point of the cube about @a about, at most
 /// @a far from it.
 /// @param packs  receives the packs of which that is so, @a chosen in number
@@ -173,9 +181,7 @@ inline const float* nearCandidate(const CandidatePack* from, std::uint32_t vecto
       leasts = nearer ? squared : leasts;
       firsts = nearer ? Numbers{} + static_cast<std::int32_t>(i * kWide) : firsts;
     }
-    unsigned winner = 0;
-    for (unsigned k = 1; k < kWide; ++k)
-      if (leasts[k] < leasts[winner]) winner = k;
+    const unsigned winner = leastLane(leasts);
     return static_cast<std::uint32_t>(firsts[winner]) + winner;
   };
   const auto toTriangle = [&](const Triangle<Floats>& t) { return awayFrom<Floats>(t, px, py, pz).squared; };
@@ -221,9 +227,7 @@ inline std::uint32_t choose(const CandidatePack* from, std::uint32_t count, cons
     leasts = nearer ? found[i].squared : leasts;
     firsts = nearer ? Numbers{} + static_cast<std::int32_t>(v * kWide) : firsts;
   }
-  unsigned winner = 0;
-  for (unsigned k = 1; k < kWide; ++k)
-    if (leasts[k] < leasts[winner]) winner = k;
+  const unsigned winner = leastLane(leasts);
   least = std::sqrt(leasts[winner]);
   const float* const one = candidate(from, static_cast<std::uint32_t>(firsts[winner]) + winner);
   const Nearest nearest = nearestOf(triangleOf(one), about, half, one[kWide * kSlackAt] + 1e-5F);
@@ -291,14 +295,6 @@ inline void decide(const CandidatePack* from, const std::uint32_t* list, std::ui
     }
     store(who, numbers + k);
   }
-}
-
-/// The number of the lane with the least value.
-inline unsigned leastLane(Floats values) {
-  unsigned least = 0;
-  for (unsigned k = 1; k < kWide; ++k)
-    if (values[k] < values[least]) least = k;
-  return least;
 }
 
 /// Upper bounds of half the diagonals of cubes of 4^3 and 2^3 nodes.
@@ -372,12 +368,7 @@ struct NearestLanes {
     first = nearer ? Numbers{} + static_cast<std::int32_t>(at) : first;
   }
   std::uint32_t number(unsigned lane) const { return static_cast<std::uint32_t>(first[lane]) + lane; }
-  unsigned lane() const {
-    unsigned least = 0;
-    for (unsigned k = 1; k < kWide; ++k)
-      if (squared[k] < squared[least]) least = k;
-    return least;
-  }
+  unsigned lane() const { return leastLane(squared); }
 };
 
 /// Many candidates, of which most are far from any single node: triangles much smaller than a voxel, as those of scans.
@@ -399,8 +390,7 @@ class ManyCandidates {
     mChosen = reinterpret_cast<std::uint32_t*>(memory + 2 * Spheres::kArrays * room);
     memory = static_cast<float*>(scratch.candidates[1]);
     mOfFour = {memory, room};
-    for (unsigned axis = 0; axis < 3; ++axis) mGroup[axis] = memory + (Spheres::kArrays + axis) * room;
-    mGroupRadius = memory + (Spheres::kArrays + 3) * room;
+    mGroups = {memory + Spheres::kArrays * room, room};
     for (std::uint32_t i = 0; i < count; ++i) prepare(i);
     mAll.count = count * kPack;
     mAll.fill();
@@ -433,35 +423,22 @@ class ManyCandidates {
     const unsigned lane = centres.lane();
     if (std::sqrt(centres.squared[lane]) * 0.99999F - mMostRadius > far + kHalfDiagonal4) return false;
     choose(mAll, vectors, vectorCount, mAll.triangle()[centres.number(lane)], about, 1.5F, mOfFour);
-    for (std::uint32_t i = 0; i < mOfFour.vectors(); ++i) makeGroup(i);
-    for (std::uint32_t i = mOfFour.vectors(); i % kWide != 0; ++i) {
-      for (unsigned axis = 0; axis < 3; ++axis) mGroup[axis][i] = kFarAway;
-      mGroupRadius[i] = 0;
-    }
+    mGroups.count = mOfFour.vectors();
+    for (std::uint32_t i = 0; i < mGroups.count; ++i) makeGroup(i);
+    mGroups.fill();
     return true;
   }
 
   /// The same for one of its cubes of 2^3 nodes.
   bool chooseOfTwo(const float about[3], float far) {
-    const std::uint32_t groups = mOfFour.vectors();
-    const auto away = [&](std::uint32_t at) {
-      Away<Floats> to;
-      to.x = about[0] - load<Floats>(mGroup[0] + at);
-      to.y = about[1] - load<Floats>(mGroup[1] + at);
-      to.z = about[2] - load<Floats>(mGroup[2] + at);
-      to.squared = to.x * to.x + to.y * to.y + to.z * to.z;
-      return to;
-    };
     NearestLanes nearGroups;
     Floats lowest = Floats{} + kHuge;
-    for (std::uint32_t at = 0; at < groups; at += kWide) {
-      const Floats squared = away(at).squared;
+    for (std::uint32_t at = 0; at < mGroups.count; at += kWide) {
+      const Floats squared = mGroups.away(at, about).squared;
       nearGroups.meet(squared, at);
-      lowest = lesser(lowest, squareRoot(squared) * 0.99999F - load<Floats>(mGroupRadius + at));
+      lowest = lesser(lowest, squareRoot(squared) * 0.99999F - load<Floats>(mGroups.radius() + at));
     }
-    float least = lowest[0];
-    for (unsigned k = 1; k < kWide; ++k) least = lowest[k] < least ? lowest[k] : least;
-    if (least > far + kHalfDiagonal2) return false;
+    if (lowest[leastLane(lowest)] > far + kHalfDiagonal2) return false;
     NearestLanes centres;
     for (unsigned lane = 0; lane < kWide; ++lane)
       if (nearGroups.squared[lane] < kHuge) {
@@ -472,10 +449,10 @@ class ManyCandidates {
     const Triangle<float> t = triangle(near);
     const CornerBounds bounds = cornerBounds(t, about, 0.5F, slackOf(t) + 1e-5F);
     std::uint32_t chosen = 0;
-    for (std::uint32_t at = 0; at < groups; at += kWide) {
-      const Away<Floats> to = away(at);
-      chosen = append(excess(to.x, to.y, to.z, to.squared, 0.5F, load<Floats>(mGroupRadius + at), bounds), at, mVectors,
-                      chosen);
+    for (std::uint32_t at = 0; at < mGroups.count; at += kWide) {
+      const Away<Floats> to = mGroups.away(at, about);
+      chosen = append(excess(to.x, to.y, to.z, to.squared, 0.5F, load<Floats>(mGroups.radius() + at), bounds), at,
+                      mVectors, chosen);
     }
     choose(mOfFour, mVectors, chosen, near, about, 0.5F, mOfTwo);
     return true;
@@ -579,13 +556,14 @@ class ManyCandidates {
         low = low < centres[k] ? low : centres[k];
         high = high > centres[k] ? high : centres[k];
       }
-      mGroup[axis][vector] = middle[axis] = 0.5F * (low + high);
+      mGroups.centre(axis)[vector] = middle[axis] = 0.5F * (low + high);
     }
     const Floats reach =
         squareRoot(mOfFour.away(first, middle).squared) * 1.00001F + load<Floats>(mOfFour.radius() + first);
     float most = 0;
     for (std::uint32_t k = 0; k < count; ++k) most = reach[k] > most ? reach[k] : most;
-    mGroupRadius[vector] = most + 1e-5F;
+    mGroups.radius()[vector] = most + 1e-5F;
+    mGroups.triangle()[vector] = mOfFour.triangle()[first];
   }
 
   /// Meets the first of the chosen triangles, of which there are whole vectors.
@@ -660,8 +638,7 @@ class ManyCandidates {
   const std::uint32_t* mPacks;
   std::uint32_t* mVectors;
   Spheres mAll, mOfFour, mOfTwo;
-  float* mGroup[3];  ///< spheres about the vectors of mOfFour
-  float* mGroupRadius;
+  Spheres mGroups;  ///< about the vectors of mOfFour, without edges
   std::uint32_t* mChosen;
   float mMostRadius = 0;
 };
