@@ -282,7 +282,8 @@ void cut(const Polygon& polygon, const std::vector<Segment>& segments, int depth
 class Union {
  public:
   Union(const Welded& mesh, Parts parts, Monitor& monitor)
-      : mMesh(mesh.tree()),
+      : mWelded(mesh),
+        mMesh(mesh.tree()),
         mPoints(mesh.points()),
         mTriangles(mesh.triangles()),
         mParts(std::move(parts)),
@@ -302,11 +303,11 @@ class Union {
     return hides;
   }
 
-  void find(const Welded& mesh) {
+  void find() {
     mMonitor.begin({PhaseKind::Sides, "of parts"}, 2 * mTriangles.size());
     mFate.assign(mTriangles.size(), Fate::Whole);
     mPartner.assign(3 * mTriangles.size(), kNone);
-    forEachEdge(mesh, mMonitor, [this](std::span<const EdgeUse> uses) {
+    forEachEdge(mWelded, mMonitor, [this](std::span<const EdgeUse> uses) {
       if (uses.size() != 2) return;
       mPartner[uses[0].side] = uses[1].triangle();
       mPartner[uses[1].side] = uses[0].triangle();
@@ -748,6 +749,7 @@ class Union {
     return result;
   }
 
+  const Welded& mWelded;
   const TriangleTree& mMesh;
   const std::vector<Vec3d>& mPoints;     ///< welded
   const std::vector<Vec3I>& mTriangles;  ///< welded
@@ -775,7 +777,7 @@ std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<con
   const bool meet = mayMeet(parts);
   Union all(welded, std::move(parts), monitor);
   if (!meet && (hidden.empty() || (!many && !all.hidesOne(hidden)))) return std::nullopt;
-  all.find(welded);
+  all.find();
   if (!all.buriesAnything()) return std::nullopt;
   return all.surface();
 }
@@ -786,7 +788,7 @@ std::optional<NestedSurfaces> nestedSurfaces(const TriangleTree& mesh, Monitor& 
   Parts parts = findParts(welded, monitor);
   if (!mayMeet(parts)) return std::nullopt;
   Union all(welded, std::move(parts), monitor);
-  all.find(welded);
+  all.find();
   NestedSurfaces result = all.layers();
   if (result.parts.hollows == 0) return std::nullopt;
   return result;
