@@ -225,49 +225,51 @@ TEST(TriangleTree, TheOriginDoesNotMatter) {
   }
 }
 
+/// Calls check(name, mesh, tree) for each case, and once more far from the origin.
+template <class Check>
+void forEachCaseHereAndFarAway(const Check& check) {
+  for (const Case& c : cases())
+    for (const Mesh& mesh : {c.mesh, transformed(c.mesh, 1, Vec3d(5000.25, -70.5, 9000))})
+      check(c.name, mesh, TriangleTree(mesh.points, mesh.triangles));
+}
+
 TEST(TriangleTree, VisitsEachTriangleInABoxOnce) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
-  const Vec3d moved(5000.25, -70.5, 9000);
-  for (const Case& c : cases())
-    for (const Mesh& mesh : {c.mesh, transformed(c.mesh, 1, moved)}) {
-      const TriangleTree tree(mesh.points, mesh.triangles);
-      for (int i = 0; i < 20; ++i) {
-        const Vec3d at = mesh.points[random() % mesh.points.size()];
-        openvdb::BBoxd box(at, at);
-        box.expand(at + Vec3d(unit(random), unit(random), unit(random)) * (i % 5));
-        std::vector<int> visits(mesh.triangles.size(), 0);
-        tree.meeting(box, [&](std::uint32_t t) { ++visits[t]; });
-        for (std::size_t t = 0; t < visits.size(); ++t) {
-          openvdb::BBoxd around;
-          for (int corner = 0; corner < 3; ++corner) around.expand(mesh.points[mesh.triangles[t][corner]]);
-          EXPECT_LE(visits[t], 1) << c.name;
-          EXPECT_GE(visits[t], around.hasOverlap(box) ? 1 : 0) << c.name;
-        }
+  forEachCaseHereAndFarAway([&](const std::string& name, const Mesh& mesh, const TriangleTree& tree) {
+    for (int i = 0; i < 20; ++i) {
+      const Vec3d at = mesh.points[random() % mesh.points.size()];
+      openvdb::BBoxd box(at, at);
+      box.expand(at + Vec3d(unit(random), unit(random), unit(random)) * (i % 5));
+      std::vector<int> visits(mesh.triangles.size(), 0);
+      tree.meeting(box, [&](std::uint32_t t) { ++visits[t]; });
+      for (std::size_t t = 0; t < visits.size(); ++t) {
+        openvdb::BBoxd around;
+        for (int corner = 0; corner < 3; ++corner) around.expand(mesh.points[mesh.triangles[t][corner]]);
+        EXPECT_LE(visits[t], 1) << name;
+        EXPECT_GE(visits[t], around.hasOverlap(box) ? 1 : 0) << name;
       }
     }
+  });
 }
 
 TEST(TriangleTree, VisitsEachTriangleOnARayOnce) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> unit(-1, 1);
-  const Vec3d moved(5000.25, -70.5, 9000);
-  for (const Case& c : cases())
-    for (const Mesh& mesh : {c.mesh, transformed(c.mesh, 1, moved)}) {
-      const TriangleTree tree(mesh.points, mesh.triangles);
-      for (int i = 0; i < 20; ++i) {
-        // A ray through a point of a triangle.
-        const auto target = static_cast<std::uint32_t>(random() % mesh.triangles.size());
-        const double u = 0.5 + 0.4 * unit(random), v = (1 - u) * (0.5 + 0.4 * unit(random));
-        const Vec3I& t = mesh.triangles[target];
-        const Vec3d point = mesh.points[t[0]] * u + mesh.points[t[1]] * v + mesh.points[t[2]] * (1 - u - v);
-        const Vec3d direction(unit(random), unit(random), unit(random));
-        std::vector<int> visits(mesh.triangles.size(), 0);
-        tree.along(point - direction * 20.0, direction, 1e-3, [&](std::uint32_t n) { ++visits[n]; });
-        EXPECT_EQ(visits[target], 1) << c.name;
-        EXPECT_LE(*std::max_element(visits.begin(), visits.end()), 1) << c.name;
-      }
+  forEachCaseHereAndFarAway([&](const std::string& name, const Mesh& mesh, const TriangleTree& tree) {
+    for (int i = 0; i < 20; ++i) {
+      // A ray through a point of a triangle.
+      const auto target = static_cast<std::uint32_t>(random() % mesh.triangles.size());
+      const double u = 0.5 + 0.4 * unit(random), v = (1 - u) * (0.5 + 0.4 * unit(random));
+      const Vec3I& t = mesh.triangles[target];
+      const Vec3d point = mesh.points[t[0]] * u + mesh.points[t[1]] * v + mesh.points[t[2]] * (1 - u - v);
+      const Vec3d direction(unit(random), unit(random), unit(random));
+      std::vector<int> visits(mesh.triangles.size(), 0);
+      tree.along(point - direction * 20.0, direction, 1e-3, [&](std::uint32_t n) { ++visits[n]; });
+      EXPECT_EQ(visits[target], 1) << name;
+      EXPECT_LE(*std::max_element(visits.begin(), visits.end()), 1) << name;
     }
+  });
 }
 
 }  // namespace
