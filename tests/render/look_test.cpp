@@ -29,20 +29,6 @@ Look parsedLook(const Recipe& given) {
   return parseLook(RecipeReader(given, table));
 }
 
-TEST(Look, DefaultsAreThoseOfTheStruct) {
-  const Look look = parsedLook({}), usual;
-  EXPECT_EQ(look.material.albedo, usual.material.albedo);
-  EXPECT_EQ(look.material.gloss, usual.material.gloss);
-  EXPECT_EQ(look.material.sharpness, usual.material.sharpness);
-  EXPECT_EQ(look.material.mirrors, usual.material.mirrors);
-  EXPECT_EQ(look.keyAzimuth, usual.keyAzimuth);
-  EXPECT_EQ(look.keyElevation, usual.keyElevation);
-  EXPECT_EQ(look.sky, usual.sky);
-  EXPECT_EQ(look.ground, usual.ground);
-  EXPECT_EQ(look.backdrop, usual.backdrop);
-  EXPECT_EQ(look.exposure, usual.exposure);
-}
-
 TEST(Look, ColoursMeanTheSameInEitherNotation) {
   EXPECT_EQ(parsedLook({{"background", "#ff0033"}}).plain, parsedLook({{"background", "1,0,0.2"}}).plain);
   EXPECT_EQ(parsedLook({{"material", "#FFFFFF:matt"}}).material.albedo, Vec3d(1));

@@ -14,27 +14,6 @@ FieldPicture parsed(const Recipe& given) {
   return parseFieldPicture(given, OptionTable(fieldPictureOptionSpecs("800x800")));
 }
 
-TEST(ViewOptions, DefaultsAreThoseOfTheStructs) {
-  const FieldPicture picture = parsed({});
-  const FieldRenderOptions usual;
-  EXPECT_EQ(picture.render.width, usual.width);
-  EXPECT_EQ(picture.render.height, usual.height);
-  EXPECT_EQ(picture.render.samples, usual.samples);
-  EXPECT_EQ(picture.render.colour.by, usual.colour.by);
-  EXPECT_FALSE(picture.colour);
-  EXPECT_EQ(picture.render.clarity.epsilon, usual.clarity.epsilon);
-  EXPECT_EQ(picture.render.clarity.alpha, usual.clarity.alpha);
-  EXPECT_EQ(picture.render.clarity.delta, usual.clarity.delta);
-  EXPECT_EQ(picture.render.skip, usual.skip);
-  const ViewAngles angles;
-  EXPECT_EQ(picture.view.angles.azimuth, angles.azimuth);
-  EXPECT_EQ(picture.view.angles.elevation, angles.elevation);
-  EXPECT_EQ(picture.view.angles.fieldOfView, angles.fieldOfView);
-  EXPECT_EQ(picture.view.angles.zoom, angles.zoom);
-  EXPECT_FALSE(picture.view.eye || picture.view.lookAt || picture.view.up);
-  EXPECT_EQ(picture.view.axis(), Camera().up);
-}
-
 TEST(ViewOptions, AreReadFromText) {
   const FieldPicture picture = parsed({{"size", "30x20"}, {"samples", "9"}, {"eye", "1,2,3"}, {"no-skip", "true"}});
   EXPECT_EQ(picture.render.width, 30);

@@ -5,6 +5,7 @@
 #include "base/in_parallel.h"
 #include "fit/fit_report.h"
 #include "fit/kim15_fit.h"
+#include "recipe/option_rows.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/peer_formats.h"
@@ -162,7 +163,6 @@ double surfaceSlope(const Rational& rational, const std::vector<FitCell>& cells,
   return *middle;
 }
 
-enum class FitMethod { Fast, Kim15 };
 constexpr const char* kFast = "fast";
 constexpr const char* kKim15 = "kim15";
 /// The passes of [Kim15] for most of its shapes.
@@ -193,129 +193,116 @@ std::string idleOfKim15(const OptionRun& run) {
   return run.text("method") == kKim15 ? "" : "it is for --method kim15; give that, or leave it out";
 }
 
+const OptionRows<FitOptions>& fitRows() {
+  static const OptionRows<FitOptions> rows{
+      {{.name = "input",
+        .argument = "MESH|SDF.vdb",
+        .help = "the target: a mesh, or a VDB that holds its signed distance or a volume"},
+       parsedBy([](const RecipeReader& reader, const std::string& name, FitOptions& options) {
+         options.target.input = reader.text(name);
+       })},
+      {{.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
+       text([](auto& options) -> auto& { return options.target.grid; })},
+      {{.name = "roots", .argument = "N", .help = "the largest number of roots, top and bottom together"},
+       whole(&FitOptions::roots, std::size_t{1}, std::size_t{100'000})},
+      {{.name = "target-iou",
+        .argument = "X",
+        .help = "method fast: stop adding roots when the IoU of the held-out cells reaches this; 1 adds all of them",
+        .idle = idleOfFast},
+       number(&FitOptions::targetIou, above(0, 1))},
+      {{.name = "resolution",
+        .argument = "N",
+        .help = "cells along the edge of the cube about the target in which the map is fitted and judged"},
+       whole(
+           [](auto& options) -> auto& { return options.target.resolution; }, 8, 1000)},
+      {{.name = "method",
+        .argument = "fast|kim15",
+        .help = "how to fit: fast, or as Kim (2015) does, which takes much longer",
+        .defaultFor = defaultMethod,
+        .defaultNote = "fast; kim15 with --schedule"},
+       parsedBy(
+           [](const RecipeReader& reader, const std::string& name, FitOptions& options) {
+             if (chosen<bool>(name, reader.text(name), {{kFast, false}, {kKim15, true}}))
+               options.schedule = julia::parseSchedule(reader.text("schedule"));
+           },
+           {.kind = OptionType::Kind::Choice, .words = {kFast, kKim15}})},
+      {{.name = "schedule",
+        .argument = "S",
+        .help = "method kim15: its passes. V is variable-coarsened, F full, R reweighted",
+        .defaultFor =
+            [](const Recipe& recipe) {
+              const auto method = recipe.find("method");
+              return method != recipe.end() && method->second == kKim15 ? kPaperSchedule : "";
+            },
+        .defaultNote = kPaperSchedule,
+        .idle = idleOfKim15},
+       readByRule()},
+      {{.name = "start", .help = "method fast: where the first roots are placed", .idle = idleOfFast},
+       choice<FitStart>(&FitOptions::start, {{"blue-noise", FitStart::BlueNoise}, {"monopoles", FitStart::Monopoles}})},
+      {{.name = "places",
+        .help = "method fast: whether the roots move to better places while the energy is lowered, or stay where they "
+                "were put",
+        .idle = idleOfFast},
+       choice<bool>(&FitOptions::moveRoots, {{"move", true}, {"keep", false}})},
+      {{.name = "epsilon",
+        .argument = "E",
+        .help = "monopoles: the relative residual up to which they have to match the electrostatic potential",
+        .idle = idleEpsilon},
+       number(&FitOptions::epsilon, between(0, 1))},
+      {{.name = "weights",
+        .help = "the weight of a cell: 1 / distance, or 1 / layer of cells as in the program of 2015"},
+       choice<julia::CellWeights>(&FitOptions::weights, {{"distance", julia::CellWeights::InverseDistance},
+                                                         {"layers", julia::CellWeights::Layers}})},
+      {{.name = "power-penalty",
+        .argument = "P",
+        .help =
+            "this times the summed powers is added to the energy; small sums make rougher sets. Default 0, and 1e-5 "
+            "with --method kim15, where powers would otherwise grow without end"},
+       withoutDefault(number(&FitOptions::powerPenalty, atLeast(0)))},
+      {{.name = "alpha",
+        .argument = "A",
+        .help = "scale all powers so that the shell is as thin as --alpha of 'fractal' makes it; the shape at one "
+                "iteration stays. 0 leaves the powers as they were found"},
+       number(&FitOptions::alpha, atLeast(0))},
+      {{.name = "iterations",
+        .argument = "N",
+        .help = "the iterations of the set that shall have the shape: in the end C is chosen for them. The powers are "
+                "those found for one iteration",
+        .defaultFor = [](const Recipe& recipe) { return isKim15(recipe) ? "1" : "3"; },
+        .defaultNote = "3, as of 'fractal --map rational'; 1 with --method kim15"},
+       whole(&FitOptions::iterations, 1, 1000)},
+      {{.name = "smooth",
+        .argument = "W",
+        .help = "how much the surface that roots are placed on is smoothed, in cells"},
+       number(
+           [](auto& options) -> auto& { return options.target.smooth; }, within(0, 4))},
+      {{.name = "triangles", .argument = "N", .help = "the largest number of triangles of that surface"},
+       whole(
+           [](auto& options) -> auto& { return options.target.triangles; }, 100, 1'000'000)},
+      {{.name = "seed",
+        .argument = "S",
+        .help = "the seed for the places of roots and for the cells that are held out"},
+       whole(&FitOptions::seed, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max())}};
+  return rows;
+}
+
 }  // namespace
 
 OptionTable fitOptionTable() {
-  std::vector<OptionSpec> options = {
-      {.name = "input",
-       .argument = "MESH|SDF.vdb",
-       .help = "the target: a mesh, or a VDB that holds its signed distance or a volume"},
-      {.name = "grid",
-       .argument = "NAME",
-       .defaultValue = "",
-       .help = "which grid of the input VDB to use",
-       .idle = idleWithoutVdb},
-      {.name = "roots",
-       .argument = "N",
-       .defaultValue = "331",
-       .help = "the largest number of roots, top and bottom together"},
-      {.name = "target-iou",
-       .argument = "X",
-       .defaultValue = "1",
-       .help = "method fast: stop adding roots when the IoU of the held-out cells reaches this; 1 adds all of them",
-       .idle = idleOfFast},
-      {.name = "resolution",
-       .argument = "N",
-       .defaultValue = "97",
-       .help = "cells along the edge of the cube about the target in which the map is fitted and judged"},
-      {.name = "method",
-       .argument = "fast|kim15",
-       .help = "how to fit: fast, or as Kim (2015) does, which takes much longer",
-       .defaultFor = defaultMethod,
-       .defaultNote = "fast; kim15 with --schedule"},
-      {.name = "schedule",
-       .argument = "S",
-       .help = "method kim15: its passes. V is variable-coarsened, F full, R reweighted",
-       .defaultFor =
-           [](const Recipe& recipe) {
-             const auto method = recipe.find("method");
-             return method != recipe.end() && method->second == kKim15 ? kPaperSchedule : "";
-           },
-       .defaultNote = kPaperSchedule,
-       .idle = idleOfKim15},
-      {.name = "start",
-       .argument = "blue-noise|monopoles",
-       .defaultValue = "blue-noise",
-       .help = "method fast: where the first roots are placed",
-       .idle = idleOfFast},
-      {.name = "places",
-       .argument = "move|keep",
-       .defaultValue = "move",
-       .help = "method fast: whether the roots move to better places while the energy is lowered, or stay where they "
-               "were put",
-       .idle = idleOfFast},
-      {.name = "epsilon",
-       .argument = "E",
-       .defaultValue = "0.04",
-       .help = "monopoles: the relative residual up to which they have to match the electrostatic potential",
-       .idle = idleEpsilon},
-      {.name = "weights",
-       .argument = "distance|layers",
-       .defaultValue = "distance",
-       .help = "the weight of a cell: 1 / distance, or 1 / layer of cells as in the program of 2015"},
-      {.name = "power-penalty",
-       .argument = "P",
-       .help = "this times the summed powers is added to the energy; small sums make rougher sets. Default 0, and 1e-5 "
-               "with --method kim15, where powers would otherwise grow without end"},
-      {.name = "alpha",
-       .argument = "A",
-       .defaultValue = "0",
-       .help = "scale all powers so that the shell is as thin as --alpha of 'fractal' makes it; the shape at one "
-               "iteration stays. 0 leaves the powers as they were found"},
-      {.name = "iterations",
-       .argument = "N",
-       .help = "the iterations of the set that shall have the shape: in the end C is chosen for them. The powers are "
-               "those found for one iteration",
-       .defaultFor = [](const Recipe& recipe) { return isKim15(recipe) ? "1" : "3"; },
-       .defaultNote = "3, as of 'fractal --map rational'; 1 with --method kim15"},
-      {.name = "smooth",
-       .argument = "W",
-       .defaultValue = "1",
-       .help = "how much the surface that roots are placed on is smoothed, in cells"},
-      {.name = "triangles",
-       .argument = "N",
-       .defaultValue = "5000",
-       .help = "the largest number of triangles of that surface"},
-      {.name = "seed",
-       .argument = "S",
-       .defaultValue = "1",
-       .help = "the seed for the places of roots and for the cells that are held out"},
-  };
+  std::vector<OptionSpec> options = fitRows().specs();
   for (OptionSpec& option : mendOptionSpecs()) options.push_back(std::move(option));
   return OptionTable(std::move(options));
 }
 
 FitOptions parseFitOptions(const Recipe& recipe) {
+  constexpr double kSchedulePenalty = 1e-5;
   const OptionTable table = fitOptionTable();
   const RecipeReader reader(recipe, table);
-  FitOptions options;
   if (reader.text("input").empty()) throw std::invalid_argument("no target was given: a mesh, or a VDB");
-  options.target.input = reader.text("input");
-  options.target.grid = reader.text("grid");
+  FitOptions options;
+  fitRows().read(reader, options);
   options.target.mend = parseMendOptions(reader);
-  options.target.resolution = reader.integer("resolution", 8, 1000);
-  options.target.smooth = reader.number("smooth");
-  if (!(options.target.smooth >= 0 && options.target.smooth <= 4)) reader.refuse("smooth", "0 to 4");
-  options.target.triangles = reader.integer("triangles", 100, 1'000'000);
-  options.roots = reader.integer<std::size_t>("roots", 1, 100'000);
-  options.targetIou = reader.number("target-iou");
-  if (!(options.targetIou > 0 && options.targetIou <= 1)) reader.refuse("target-iou", "above 0 and at most 1");
-  const auto method = reader.choice<FitMethod>("method", {{kFast, FitMethod::Fast}, {kKim15, FitMethod::Kim15}});
-  if (method == FitMethod::Kim15) options.schedule = julia::parseSchedule(reader.text("schedule"));
-  options.start =
-      reader.choice<FitStart>("start", {{"blue-noise", FitStart::BlueNoise}, {"monopoles", FitStart::Monopoles}});
-  options.moveRoots = reader.choice<bool>("places", {{"move", true}, {"keep", false}});
-  options.epsilon = reader.number("epsilon");
-  if (!(options.epsilon > 0 && options.epsilon < 1)) reader.refuse("epsilon", "above 0 and below 1");
-  options.weights = reader.choice<julia::CellWeights>(
-      "weights", {{"distance", julia::CellWeights::InverseDistance}, {"layers", julia::CellWeights::Layers}});
-  constexpr double kSchedulePenalty = 1e-5;
-  options.powerPenalty = reader.has("power-penalty") ? reader.notNegative("power-penalty")
-                         : options.schedule.empty()  ? 0
-                                                     : kSchedulePenalty;
-  options.alpha = reader.notNegative("alpha");
-  options.iterations = reader.integer("iterations", 1, 1000);
-  options.seed = reader.integer<std::uint64_t>("seed", 0, std::numeric_limits<std::uint64_t>::max());
+  if (!reader.has("power-penalty") && !options.schedule.empty()) options.powerPenalty = kSchedulePenalty;
   return options;
 }
 

@@ -2,6 +2,7 @@
 #include "vdbtools/job/sdf_job.h"
 
 #include "distance/united_parts.h"
+#include "recipe/option_rows.h"
 #include "repair/solid_input.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/formats/vdb_file.h"
@@ -38,31 +39,41 @@ SdfResult redistancedVdb(const SdfOptions& options, Monitor& monitor) {
   return result;
 }
 
+const OptionRows<SdfOptions>& sdfRows() {
+  static const OptionRows<SdfOptions> rows{
+      {{.name = "input",
+        .argument = "MESH|SDF.vdb",
+        .help = "the mesh: .obj, .ply, .stl, .off, .3mf, .glb or .gltf; with --points-radius a cloud of points; or a "
+                "VDB, whose level set gets a band of another width, or whose volume becomes a level set",
+        .hash = "source-sha256"},
+       parsedBy([](const RecipeReader& reader, const std::string& name, SdfOptions& options) {
+         options.input = reader.text(name);
+       })},
+      {{.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
+       withoutDefault(text(&SdfOptions::grid))},
+      {{.name = "resolution",
+        .argument = "N",
+        .defaultValue = "200",
+        .help = "voxels along the mesh's longest side",
+        .alternative = "voxel-size",
+        .idle = idleWithoutMesh},
+       readByRule(above(0))},
+      {{.name = "voxel-size",
+        .argument = "H",
+        .help = "the size of a voxel, in the mesh's units",
+        .alternative = "resolution",
+        .idle = idleWithoutMesh},
+       readByRule(above(0))},
+      {{.name = "band", .argument = "N", .help = "half width of the narrow band, in voxels"},
+       number(&SdfOptions::band, above(1, 1e6))},
+      {{.name = "half", .help = "write 16-bit floats"}, flag(&SdfOptions::half)}};
+  return rows;
+}
+
 }  // namespace
 
 OptionTable sdfOptionTable() {
-  std::vector<OptionSpec> options = {
-      {.name = "input",
-       .argument = "MESH|SDF.vdb",
-       .help =
-           "the mesh: .obj, .ply, .stl, .off, .3mf, .glb or .gltf; with --points-radius a cloud of points; or a VDB, "
-           "whose level set gets a band of another width, or whose volume becomes a level set",
-       .hash = "source-sha256"},
-      {.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
-      {.name = "resolution",
-       .argument = "N",
-       .defaultValue = "200",
-       .help = "voxels along the mesh's longest side",
-       .alternative = "voxel-size",
-       .idle = idleWithoutMesh},
-      {.name = "voxel-size",
-       .argument = "H",
-       .help = "the size of a voxel, in the mesh's units",
-       .alternative = "resolution",
-       .idle = idleWithoutMesh},
-      {.name = "band", .argument = "N", .defaultValue = "3", .help = "half width of the narrow band, in voxels"},
-      {.name = "half", .help = "write 16-bit floats"},
-  };
+  std::vector<OptionSpec> options = sdfRows().specs();
   for (OptionSpec& option : mendOptionSpecs()) options.insert(options.end() - 1, std::move(option));
   options.push_back(gridNamesOption());
   options.back().defaultNote = kGrid;
@@ -74,14 +85,10 @@ SdfOptions parseSdfOptions(const Recipe& recipe) {
   const OptionTable table = sdfOptionTable();
   const RecipeReader reader(recipe, table);
   SdfOptions options;
-  options.input = reader.text("input");
+  sdfRows().read(reader, options);
   if (options.input.empty()) throw std::invalid_argument("no mesh was given");
-  if (reader.has("grid")) options.grid = reader.text("grid");
   options.voxels = reader.voxels("resolution", "voxel-size");
   options.mend = parseMendOptions(reader);
-  options.band = reader.number("band");
-  if (!(options.band > 1 && options.band <= 1e6)) reader.refuse("band", "above 1 and at most 1e6");
-  options.half = reader.flag("half");
   options.axes = parseFileAxes(reader);
   options.gridNames = parseGridNames(reader.text("grid-names"), std::vector<std::string>{kGrid});
   return options;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cross-product maps of R^3 of [ZB25].
 #include "maps/built_in_maps.h"
+#include "recipe/option_rows.h"
 #include "vdbtools/maps/map_options.h"
 
 #include "julia/cross_map.h"
@@ -59,17 +60,56 @@ class CrossSettings final : public MapSettings {
   julia::CrossOptions mOptions;
 };
 
+const OptionRows<julia::CrossOptions>& crossRows() {
+  using julia::CrossOptions;
+  static const OptionRows<CrossOptions> rows{
+      {{.name = "scheme",
+        .help =
+            "the equation of Zimmermann and Bruckner (2025): 3 is p x g(c), 4 is f(p) x g(p) + c, and 5 is the same "
+            "with a fixed c",
+        .qualifies = {"c"}},
+       choice<CrossScheme>(
+           &CrossOptions::scheme,
+           {{"3", CrossScheme::FixedFactor}, {"4", CrossScheme::Mandelbrot}, {"5", CrossScheme::Julia}})},
+      {{.name = "pair",
+        .help = "the functions f and g, from the paper or your own",
+        .defaultFor = [](const Recipe& recipe) { return recipe.contains("f") || recipe.contains("g") ? "user" : "A"; },
+        .defaultNote = "A, or user if --f is given",
+        .displaces = {"f", "g"}},
+       choice<CrossPair>(&CrossOptions::pair, {{"A", CrossPair::A},
+                                               {"A'", CrossPair::APrime},
+                                               {"B", CrossPair::B},
+                                               {"C", CrossPair::C},
+                                               {"D", CrossPair::D},
+                                               {"E", CrossPair::E},
+                                               {"user", CrossPair::User}})},
+      {{.name = "f",
+        .argument = "X,Y,Z",
+        .help = "the first function of your own pair, such as \"x*x, y*y, z*z\"",
+        .displaces = {"pair"}},
+       withoutDefault(text(&CrossOptions::f))},
+      {{.name = "g",
+        .argument = "X,Y,Z",
+        .help = "the second function of your own pair, such as \"cos(x), cos(y), cos(z)\"",
+        .displaces = {"pair"}},
+       withoutDefault(text(&CrossOptions::g))},
+      {{.name = "c",
+        .argument = "X,Y,Z",
+        .help = "the constant of scheme 5, three numbers",
+        .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
+          const auto scheme = recipe.find("scheme");
+          if (scheme == recipe.end() || scheme->second != "5") return std::nullopt;
+          return "-1,0,0";
+        },
+        .defaultNote = "-1,0,0",
+        .followsSelector = true},
+       vector(&CrossOptions::constant)}};
+  return rows;
+}
+
 julia::CrossOptions parseCross(const RecipeReader& reader) {
   julia::CrossOptions options;
-  options.scheme = reader.choice<CrossScheme>(
-      "scheme", {{"3", CrossScheme::FixedFactor}, {"4", CrossScheme::Mandelbrot}, {"5", CrossScheme::Julia}});
-  options.pair = reader.choice<CrossPair>("pair", {{"A", CrossPair::A},
-                                                   {"A'", CrossPair::APrime},
-                                                   {"B", CrossPair::B},
-                                                   {"C", CrossPair::C},
-                                                   {"D", CrossPair::D},
-                                                   {"E", CrossPair::E},
-                                                   {"user", CrossPair::User}});
+  crossRows().read(reader, options);
   for (const char* function : {"f", "g"}) {
     if (options.pair == CrossPair::User && !reader.has(function))
       throw std::invalid_argument(std::string("--pair user needs --") + function +
@@ -78,15 +118,9 @@ julia::CrossOptions parseCross(const RecipeReader& reader) {
       throw std::invalid_argument(std::string("--") + function + " applies to --pair user only, and the pair is " +
                                   reader.text("pair") + "; give one of the two");
   }
-  options.f = reader.text("f");
-  options.g = reader.text("g");
-  if (options.scheme == CrossScheme::Julia) {
-    const openvdb::Vec3d c = reader.vector("c");
-    options.constant = {c[0], c[1], c[2]};
-  } else if (reader.has("c")) {
+  if (options.scheme != CrossScheme::Julia && reader.has("c"))
     throw std::invalid_argument("--c applies to --scheme 5 only; in scheme " + reader.text("scheme") +
                                 " the constant is the point itself");
-  }
   return options;
 }
 
@@ -102,40 +136,9 @@ class CrossDescriptor final : public MapDescriptor {
   int dimension() const override { return 3; }
 
   std::vector<OptionSpec> options() const override {
-    std::vector<OptionSpec> options{
-        {.name = "scheme",
-         .argument = "3|4|5",
-         .defaultValue = "4",
-         .help = "the equation of Zimmermann and Bruckner (2025): 3 is p x g(c), 4 is f(p) x g(p) + c, and 5 is the "
-                 "same with a fixed c",
-         .qualifies = {"c"}},
-        {.name = "pair",
-         .argument = "A|A'|B|C|D|E|user",
-         .help = "the functions f and g, from the paper or your own",
-         .defaultFor = [](const Recipe& recipe) { return recipe.contains("f") || recipe.contains("g") ? "user" : "A"; },
-         .defaultNote = "A, or user if --f is given",
-         .displaces = {"f", "g"}},
-        {.name = "f",
-         .argument = "X,Y,Z",
-         .help = "the first function of your own pair, such as \"x*x, y*y, z*z\"",
-         .displaces = {"pair"}},
-        {.name = "g",
-         .argument = "X,Y,Z",
-         .help = "the second function of your own pair, such as \"cos(x), cos(y), cos(z)\"",
-         .displaces = {"pair"}},
-        {.name = "c",
-         .argument = "X,Y,Z",
-         .help = "the constant of scheme 5, three numbers",
-         .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
-           const auto scheme = recipe.find("scheme");
-           if (scheme == recipe.end() || scheme->second != "5") return std::nullopt;
-           return "-1,0,0";
-         },
-         .defaultNote = "-1,0,0",
-         .followsSelector = true},
-        iterationsOption("10"),
-        radiusOption(),
-    };
+    std::vector<OptionSpec> options = crossRows().specs();
+    options.push_back(iterationsOption("10"));
+    options.push_back(radiusOption());
     for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
     return options;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Powers of triplex numbers: Mandelbulbs and their Julia sets.
 #include "maps/built_in_maps.h"
+#include "recipe/option_rows.h"
 #include "vdbtools/maps/map_options.h"
 
 #include "julia/mandelbulb.h"
@@ -53,6 +54,27 @@ julia::Point parsePoint(const std::string& text) {
   return {c[0], c[1], c[2]};
 }
 
+const OptionRows<julia::MandelbulbOptions>& mandelbulbRows() {
+  using julia::MandelbulbOptions, julia::TriplexAngle;
+  static const OptionRows<MandelbulbOptions> rows{
+      {{.name = "power", .argument = "P", .help = "the power of the triplex numbers, any real number from -100 to 100"},
+       number(&MandelbulbOptions::power, within(-100, 100))},
+      {{.name = "theta",
+        .help = "where the second angle is 0: in the plane, as in [ZB25], or at the pole, as in the well-known set of "
+                "power 8"},
+       choice<TriplexAngle>(&MandelbulbOptions::angle,
+                            {{"plane", TriplexAngle::AbovePlane}, {"pole", TriplexAngle::FromPole}})},
+      {{.name = "c",
+        .argument = "X,Y,Z",
+        .help = "the constant of a Julia set, three numbers",
+        .alternative = "mandelbrot",
+        .followsSelector = true},
+       parsedBy([](const RecipeReader& reader, const std::string& name,
+                   MandelbulbOptions& options) { options.constant = parsePoint(reader.text(name)); },
+                {.kind = OptionType::Kind::Vector})}};
+  return rows;
+}
+
 class MandelbulbDescriptor final : public MapDescriptor {
  public:
   std::string name() const override { return "mandelbulb"; }
@@ -64,38 +86,19 @@ class MandelbulbDescriptor final : public MapDescriptor {
   int dimension() const override { return 3; }
 
   std::vector<OptionSpec> options() const override {
-    std::vector<OptionSpec> options{
-        {.name = "power",
-         .argument = "P",
-         .defaultValue = "8",
-         .help = "the power of the triplex numbers, any real number from -100 to 100"},
-        {.name = "theta",
-         .argument = "plane|pole",
-         .defaultValue = "plane",
-         .help = "where the second angle is 0: in the plane, as in [ZB25], or at the pole, as in the well-known set of "
-                 "power 8"},
-        {.name = "c",
-         .argument = "X,Y,Z",
-         .help = "the constant of a Julia set, three numbers",
-         .alternative = "mandelbrot",
-         .followsSelector = true},
-        mandelbrotOption(true),
-        iterationsOption("10"),
-        radiusOption(),
-    };
+    std::vector<OptionSpec> options = mandelbulbRows().specs();
+    options.push_back(mandelbrotOption(true));
+    options.push_back(iterationsOption("10"));
+    options.push_back(radiusOption());
     for (OptionSpec& option : embeddingOptions()) options.push_back(std::move(option));
     return options;
   }
 
   std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
-    using julia::TriplexAngle;
     const bool mandelbrot = parseMandelbrot(reader);
     julia::MandelbulbOptions options;
-    options.power = reader.number("power");
-    if (!(std::abs(options.power) <= 100)) reader.refuse("power", "between -100 and 100");
-    options.angle =
-        reader.choice<TriplexAngle>("theta", {{"plane", TriplexAngle::AbovePlane}, {"pole", TriplexAngle::FromPole}});
-    if (!mandelbrot) options.constant = reader.has("c") ? parsePoint(reader.text("c")) : julia::Point{};
+    mandelbulbRows().read(reader, options);
+    if (!mandelbrot && !options.constant) options.constant = julia::Point{};
     return std::make_shared<MandelbulbSettings>(parseOrbit(reader, "radius"), parseSpatialEmbedding(reader), options);
   }
 };

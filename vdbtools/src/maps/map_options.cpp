@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/map_options.h"
 
+#include "recipe/option_rows.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/near_words.h"
@@ -148,6 +149,12 @@ std::vector<std::string> textureNames() {
   return names;
 }
 
+OptionType frequencyType() {
+  OptionType type{.kind = OptionType::Kind::Control, .low = 0, .excludesLow = true};
+  for (const auto& [word, value] : kFrequencyWords) type.words.emplace_back(word);
+  return type;
+}
+
 OptionSpec frequencyOption() {
   return {.name = "frequency",
           .argument = "F",
@@ -162,6 +169,7 @@ OptionSpec frequencyOption() {
           },
           .defaultNote = "medium",
           .hash = "frequency-sha256",
+          .type = frequencyType(),
           .idle = idleFrequency};
 }
 
@@ -170,6 +178,7 @@ OptionSpec iterationsOption(const std::string& usual) {
           .argument = "N",
           .defaultValue = usual,
           .help = "how often the map is applied at most",
+          .type = {.kind = OptionType::Kind::Whole, .low = 1, .high = julia::kMaxIterations},
           .followsSelector = true};
 }
 
@@ -178,7 +187,8 @@ OptionSpec escapeOption() {
           .argument = "R",
           .defaultValue = "20",
           .help = "the radius beyond which an orbit has escaped",
-          .alternative = "radius"};
+          .alternative = "radius",
+          .type = above(1, julia::kMaxEscapeRadius)};
 }
 
 OptionSpec radiusOption() {
@@ -186,20 +196,20 @@ OptionSpec radiusOption() {
           .argument = "R",
           .defaultValue = "2",
           .help = "the radius beyond which an orbit has escaped, and of the ball in which the set is searched",
-          .alternative = "escape"};
+          .alternative = "escape",
+          .type = above(1, julia::kMaxEscapeRadius)};
 }
 
 julia::OrbitOptions parseOrbit(const RecipeReader& reader, const std::string& escape) {
-  julia::OrbitOptions orbit;
-  orbit.maxIterations = reader.integer("iterations", 1, julia::kMaxIterations);
-  orbit.escapeRadius = reader.number(escape);
-  if (!(orbit.escapeRadius > 1 && orbit.escapeRadius <= julia::kMaxEscapeRadius))
-    reader.refuse(escape, "above 1 and at most 1e9");
-  return orbit;
+  return {.maxIterations = reader.integer("iterations", 1, julia::kMaxIterations),
+          .escapeRadius = readNumber(reader, escape, above(1, julia::kMaxEscapeRadius))};
 }
 
 OptionSpec mandelbrotOption(bool usual) {
-  OptionSpec option{.name = "mandelbrot", .help = "take the point itself as the constant", .alternative = "c"};
+  OptionSpec option{.name = "mandelbrot",
+                    .help = "take the point itself as the constant",
+                    .alternative = "c",
+                    .type = {.kind = OptionType::Kind::Flag}};
   if (usual) {
     option.defaultValue = "true";
     option.defaultNote = "on without --c";
@@ -216,21 +226,26 @@ bool parseMandelbrot(const RecipeReader& reader) {
   return mandelbrot;
 }
 
-std::vector<OptionSpec> embeddingOptions() {
-  return {kept({.name = "slice",
-                .argument = "S",
-                .defaultValue = "0",
-                .help = "the fourth coordinate of the slice through the quaternions"}),
-          kept({.name = "drop-axis",
-                .argument = "i|j|k",
-                .defaultValue = "k",
-                .help = "the quaternion axis along which the target is extruded"})};
+namespace {
+
+const OptionRows<julia::Embedding>& embeddingRows() {
+  using julia::DropAxis;
+  static const OptionRows<julia::Embedding> rows{
+      {kept({.name = "slice", .argument = "S", .help = "the fourth coordinate of the slice through the quaternions"}),
+       number(&julia::Embedding::slice)},
+      {kept({.name = "drop-axis", .help = "the quaternion axis along which the target is extruded"}),
+       choice<DropAxis>(&julia::Embedding::dropped, {{"i", DropAxis::I}, {"j", DropAxis::J}, {"k", DropAxis::K}})}};
+  return rows;
 }
 
+}  // namespace
+
+std::vector<OptionSpec> embeddingOptions() { return embeddingRows().specs(); }
+
 julia::Embedding parseEmbedding(const RecipeReader& reader) {
-  using julia::DropAxis;
-  return {reader.number("slice"),
-          reader.choice<DropAxis>("drop-axis", {{"i", DropAxis::I}, {"j", DropAxis::J}, {"k", DropAxis::K}})};
+  julia::Embedding embedding;
+  embeddingRows().read(reader, embedding);
+  return embedding;
 }
 
 julia::Embedding parseSpatialEmbedding(const RecipeReader& reader) {
@@ -242,48 +257,64 @@ julia::Embedding parseSpatialEmbedding(const RecipeReader& reader) {
   return embedding;
 }
 
-std::vector<OptionSpec> randomRootsOptions() {
-  std::vector<OptionSpec> options{
-      {.name = "versor-seed",
-       .argument = "S",
-       .defaultValue = "1",
-       .help = "the seed of random roots: every number is another texture; it also varies a texture that has something "
-               "random",
-       .idle = idleSeed},
-      {.name = "versor-roots",
-       .argument = "N",
-       .defaultValue = "10",
-       .help = "the number of roots",
-       .idle = idleRandomOnly},
-      {.name = "versor-powers",
-       .argument = "MIN:MAX",
-       .defaultValue = "2:11",
-       .help = "the range of their powers: higher powers make finer detail",
-       .idle = idleRandomOnly},
-      {.name = "versor-integer", .help = "use whole powers only", .idle = idleRandomOnly},
-      {.name = "versor-placement",
-       .argument = "box|inside|surface|cluster",
-       .defaultValue = "box",
-       .help = "where the roots are placed",
-       .idle = idleRandomOnly},
-      {.name = "versor-distance",
-       .argument = "D",
-       .defaultValue = "0.05",
-       .help = "for --texture-placement surface: the largest distance of roots from it, as a share of the longest side",
-       .idle = idleUnlessPlaced("surface")},
-      {.name = "versor-centre",
-       .argument = "X,Y,Z",
-       .defaultValue = "0,0,0",
-       .help = "for --texture-placement cluster: its centre, in fractal space",
-       .idle = idleUnlessPlaced("cluster")},
-      {.name = "versor-radius",
-       .argument = "R",
-       .defaultValue = "0.1",
-       .help = "for --texture-placement cluster: its radius, in fractal space",
-       .idle = idleUnlessPlaced("cluster")}};
-  for (OptionSpec& option : options) option.kept = true;
-  return options;
+namespace {
+
+void parsePowers(const RecipeReader& reader, const std::string& name, julia::RandomRootsOptions& options) {
+  const std::vector<std::string> ends = split(reader.text(name), ':');
+  if (ends.size() > 2) reader.refuse(name, "MIN:MAX");
+  options.minPower = parseNumber(name, ends.front());
+  options.maxPower = parseNumber(name, ends.back());
+  if (options.minPower > options.maxPower) reader.refuse(name, "MIN:MAX with the smaller first");
 }
+
+const OptionRows<julia::RandomRootsOptions>& randomRootsRows() {
+  using Random = julia::RandomRootsOptions;
+  using julia::RootPlacement;
+  static const OptionRows<Random> rows{
+      {kept({.name = "versor-seed",
+             .argument = "S",
+             .help = "the seed of random roots: every number is another texture; it also varies a texture that has "
+                     "something random",
+             .idle = idleSeed}),
+       whole(&Random::seed, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max())},
+      {kept({.name = "versor-roots", .argument = "N", .help = "the number of roots", .idle = idleRandomOnly}),
+       whole(&Random::count, 1, 1'000'000)},
+      {kept({.name = "versor-powers",
+             .argument = "MIN:MAX",
+             .defaultValue = numberText(Random{}.minPower) + ':' + numberText(Random{}.maxPower),
+             .help = "the range of their powers: higher powers make finer detail",
+             .idle = idleRandomOnly}),
+       parsedBy(parsePowers)},
+      {kept({.name = "versor-integer", .help = "use whole powers only", .idle = idleRandomOnly}),
+       flag(&Random::integerPowers)},
+      {kept({.name = "versor-placement", .help = "where the roots are placed", .idle = idleRandomOnly}),
+       choice<RootPlacement>(&Random::placement, {{"box", RootPlacement::Box},
+                                                  {"inside", RootPlacement::Inside},
+                                                  {"surface", RootPlacement::Surface},
+                                                  {"cluster", RootPlacement::Cluster}})},
+      {kept({.name = "versor-distance",
+             .argument = "D",
+             .help =
+                 "for --texture-placement surface: the largest distance of roots from it, as a share of the longest "
+                 "side",
+             .idle = idleUnlessPlaced("surface")}),
+       number(&Random::surfaceDistance, above(0))},
+      {kept({.name = "versor-centre",
+             .argument = "X,Y,Z",
+             .help = "for --texture-placement cluster: its centre, in fractal space",
+             .idle = idleUnlessPlaced("cluster")}),
+       vector(&Random::clusterCentre)},
+      {kept({.name = "versor-radius",
+             .argument = "R",
+             .help = "for --texture-placement cluster: its radius, in fractal space",
+             .idle = idleUnlessPlaced("cluster")}),
+       number(&Random::clusterRadius, above(0))}};
+  return rows;
+}
+
+}  // namespace
+
+std::vector<OptionSpec> randomRootsOptions() { return randomRootsRows().specs(); }
 
 std::vector<OptionSpec> rootsOptions() {
   std::vector<OptionSpec> options{kept(
@@ -321,23 +352,7 @@ std::vector<OptionSpec> rootsOptions() {
 
 julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
   julia::RandomRootsOptions options;
-  options.seed = parseSeed(reader, "versor-seed");
-  options.count = reader.integer("versor-roots", 1, 1'000'000);
-  const std::vector<std::string> ends = split(reader.text("versor-powers"), ':');
-  if (ends.size() > 2) reader.refuse("versor-powers", "MIN:MAX");
-  options.minPower = parseNumber("versor-powers", ends.front());
-  options.maxPower = parseNumber("versor-powers", ends.back());
-  if (options.minPower > options.maxPower) reader.refuse("versor-powers", "MIN:MAX with the smaller first");
-  options.integerPowers = reader.flag("versor-integer");
-  using julia::RootPlacement;
-  options.placement = reader.choice<RootPlacement>("versor-placement", {{"box", RootPlacement::Box},
-                                                                        {"inside", RootPlacement::Inside},
-                                                                        {"surface", RootPlacement::Surface},
-                                                                        {"cluster", RootPlacement::Cluster}});
-  options.surfaceDistance = reader.positive("versor-distance");
-  const Vec3d centre = reader.vector("versor-centre");
-  options.clusterCentre = {centre[0], centre[1], centre[2]};
-  options.clusterRadius = reader.positive("versor-radius");
+  randomRootsRows().read(reader, options);
   return options;
 }
 

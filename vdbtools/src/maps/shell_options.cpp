@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/map_options.h"
 
+#include "recipe/option_rows.h"
+
 #include <stdexcept>
 
 namespace vdbtools {
@@ -30,6 +32,12 @@ std::shared_ptr<const ControlSource> parseShare(const RecipeReader& reader, cons
   return parseControl(reader, option);
 }
 
+Choices<std::optional<julia::Interpolation>> samplings() {
+  return {{"auto", std::nullopt},
+          {"trilinear", julia::Interpolation::Trilinear},
+          {"quadratic", julia::Interpolation::Quadratic}};
+}
+
 }  // namespace
 
 std::vector<ControlSetting> ShellSettings::controls() const {
@@ -51,6 +59,7 @@ std::vector<OptionSpec> shellOptions() {
        .alternative = "alpha",
        .displaces = {"beta"},
        .hash = "detail-sha256",
+       .type = {.kind = OptionType::Kind::Control, .low = 0, .high = 1},
        .kept = true},
       {.name = "outward",
        .argument = "O",
@@ -59,6 +68,7 @@ std::vector<OptionSpec> shellOptions() {
        .defaultNote = kOutward,
        .displaces = {"alpha", "beta"},
        .hash = "outward-sha256",
+       .type = {.kind = OptionType::Kind::Control, .low = 0, .high = 1},
        .kept = true},
       {.name = "mask",
        .argument = "M",
@@ -66,6 +76,7 @@ std::vector<OptionSpec> shellOptions() {
        .help =
            "where it is 0 the result is the plain target, where it is 1 the fractal. Takes the same values as --detail",
        .hash = "mask-sha256",
+       .type = {.kind = OptionType::Kind::Control, .low = 0, .high = 1},
        .kept = true},
       {.name = "alpha",
        .argument = "A",
@@ -76,6 +87,7 @@ std::vector<OptionSpec> shellOptions() {
        .alternative = "detail",
        .displaces = {"outward"},
        .hash = "alpha-sha256",
+       .type = {.kind = OptionType::Kind::Control, .low = 0, .excludesLow = true},
        .kept = true},
       {.name = "beta",
        .argument = "B",
@@ -85,12 +97,14 @@ std::vector<OptionSpec> shellOptions() {
        .defaultNote = std::string(kBeta) + " where alpha is given",
        .displaces = {"detail", "outward"},
        .hash = "beta-sha256",
+       .type = {.kind = OptionType::Kind::Control},
        .kept = true},
       {.name = "sampling",
        .argument = "auto|trilinear|quadratic",
-       .defaultValue = "auto",
+       .defaultValue = wordFor(ShellSettings{}.interpolation, samplings()),
        .help = "how the target's distances are interpolated; quadratic shows no creases in deep zooms. auto: quadratic "
                "for pictures of the set itself, trilinear, which is faster, for meshes and VDBs",
+       .type = {.kind = OptionType::Kind::Choice, .words = wordsOf(samplings())},
        .kept = true}};
 }
 
@@ -114,7 +128,6 @@ OptionSpec shellEscapeOption() {
 }
 
 ShellSettings parseShell(const RecipeReader& reader) {
-  using julia::Interpolation;
   for (const char* share : {"detail", "outward"})
     for (const char* number : {"alpha", "beta"})
       if (reader.has(share) && reader.has(number))
@@ -123,11 +136,8 @@ ShellSettings parseShell(const RecipeReader& reader) {
                                     "', but the one takes the place of the other; give --detail and --outward, or "
                                     "--alpha and --beta");
   const bool numeric = reader.has("alpha");
-  ShellSettings shell{
-      .mask = parseShare(reader, "mask"),
-      .interpolation = reader.choice<std::optional<Interpolation>>(
-          "sampling",
-          {{"auto", std::nullopt}, {"trilinear", Interpolation::Trilinear}, {"quadratic", Interpolation::Quadratic}})};
+  ShellSettings shell{.mask = parseShare(reader, "mask"),
+                      .interpolation = chosen("sampling", reader.text("sampling"), samplings())};
   if (numeric) {
     shell.alpha = parseControl(reader, "alpha");
     shell.beta = parseControl(reader, "beta");

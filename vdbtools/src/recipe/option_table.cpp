@@ -4,8 +4,10 @@
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/recipe/option_name.h"
+#include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <set>
 #include <stdexcept>
@@ -95,6 +97,13 @@ bool OptionRun::makesAny(std::initializer_list<Product> products) const {
 std::string OptionRun::text(const std::string& option) const {
   const auto found = recipe.find(option);
   return found == recipe.end() ? std::string() : found->second;
+}
+
+std::string OptionType::bounds() const {
+  const std::string least = numberText(low), most = numberText(high);
+  if (std::isinf(high)) return excludesLow ? "above " + least : least + " or more";
+  if (!excludesLow && !excludesHigh) return "a number from " + least + " to " + most;
+  return (excludesLow ? "above " : "at least ") + least + " and " + (excludesHigh ? "below " : "at most ") + most;
 }
 
 IdleRule idleWithout(std::set<Product> makes, std::string products) {

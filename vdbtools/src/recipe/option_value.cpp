@@ -8,6 +8,7 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 namespace vdbtools {
 
@@ -69,6 +70,14 @@ std::string numbersText(std::span<const double> values) {
 
 std::string numbersText(std::initializer_list<double> values) {
   return numbersText(std::span(values.begin(), values.size()));
+}
+
+std::string numberText(double value) {
+  std::string text = numbersText({value});
+  for (const char* const filled : {"e+0", "e-0", "e+"})
+    if (const std::size_t at = text.find(filled); at != std::string::npos)
+      text.replace(at, std::string_view(filled).size(), filled[1] == '-' ? "e-" : "e");
+  return text;
 }
 
 }  // namespace vdbtools

@@ -2,6 +2,7 @@
 #include "vdbtools/render/look.h"
 
 #include "base/srgb.h"
+#include "recipe/option_rows.h"
 
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/picture/gradient.h"
@@ -9,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 namespace vdbtools {
@@ -64,8 +64,8 @@ std::optional<Vec3d> colourFromText(const std::string& text) {
   return Vec3d(linearFromSrgb(codes[0]), linearFromSrgb(codes[1]), linearFromSrgb(codes[2]));
 }
 
-Material parseMaterial(const RecipeReader& reader) {
-  const std::string text = reader.text("material");
+Material parseMaterial(const RecipeReader& reader, const std::string& name) {
+  const std::string text = reader.text(name);
   std::vector<std::string> names;
   for (const NamedMaterial& named : materials()) {
     if (named.name == text) return named.material;
@@ -76,23 +76,65 @@ Material parseMaterial(const RecipeReader& reader) {
     const std::string finish = colon == std::string::npos ? "satin" : text.substr(colon + 1);
     if (const std::optional<Material> material = finished(finish, *colour)) return *material;
   }
-  reader.refuse("material", materialNames() +
-                                ", or a colour of one's own such as #c08040 or 0.8,0.5,0.2, followed by :matt, :satin, "
-                                ":glossy or :metal" +
-                                didYouMean(text, names));
+  reader.refuse(name, materialNames() +
+                          ", or a colour of one's own such as #c08040 or 0.8,0.5,0.2, followed by :matt, :satin, "
+                          ":glossy or :metal" +
+                          didYouMean(text, names));
 }
 
-std::pair<double, double> parseLight(const RecipeReader& reader) {
+void parseLight(const RecipeReader& reader, const std::string& name, Look& look) {
   constexpr double kMostAzimuth = 1e6, kMostElevation = 90;
-  const std::vector<std::string> parts = split(reader.text("light"), ',');
+  const std::vector<std::string> parts = split(reader.text(name), ',');
   std::array<double, 2> angles{};
   for (std::size_t i = 0; i < 2; ++i) {
     const std::optional<double> value = parts.size() == 2 ? numberFromText(parts[i]) : std::nullopt;
     if (!value || !(std::abs(*value) <= (i == 0 ? kMostAzimuth : kMostElevation)))
-      reader.refuse("light", "AZIMUTH,ELEVATION in degrees, the elevation -90 to 90");
+      reader.refuse(name, "AZIMUTH,ELEVATION in degrees, the elevation -90 to 90");
     angles[i] = *value;
   }
-  return {angles[0], angles[1]};
+  look.keyAzimuth = angles[0];
+  look.keyElevation = angles[1];
+}
+
+void parseBackground(const RecipeReader& reader, const std::string& name, Look& look) {
+  const std::string text = reader.text(name);
+  look.backdrop = text == "none" ? Backdrop::None : Backdrop::Plain;
+  if (look.backdrop == Backdrop::None) return;
+  const std::optional<Vec3d> colour = colourFromText(text);
+  if (!colour) reader.refuse(name, "none, or a colour such as #203040 or 0.1,0.2,0.3");
+  look.plain = *colour;
+}
+
+const OptionRows<Look>& lookRows() {
+  static const OptionRows<Look> rows{
+      {{.name = "material",
+        .argument = "NAME|COLOUR",
+        .defaultValue = "clay",
+        .help = "what the surface is made of: " + materialNames() +
+                "; or a colour such as #c08040 or 0.8,0.5,0.2, followed by :matt, :satin (as without), :glossy or "
+                ":metal. The colours of a mesh's points take the place of the material's"},
+       parsedBy([](const RecipeReader& reader, const std::string& name, Look& look) {
+         look.material = parseMaterial(reader, name);
+       })},
+      {{.name = "light",
+        .argument = "AZ,EL",
+        .defaultValue = numbersText({Look{}.keyAzimuth, Look{}.keyElevation}),
+        .help = "where the key light stands: degrees from the viewer, positive to the right, and above the horizon. It "
+                "goes along with the camera"},
+       parsedBy(parseLight)},
+      {{.name = "sky",
+        .argument = "S",
+        .help = "the brightness of the light from the sky, the floor and behind; 0 leaves the key light alone"},
+       number(&Look::sky, within(0, 100))},
+      {{.name = "ground", .help = "put a floor under the lowest point, which takes shadows"}, flag(&Look::ground)},
+      {{.name = "background",
+        .argument = "COLOUR|none",
+        .help = "a plain colour such as #203040 or 0.1,0.2,0.3 behind the surface, or none for alpha",
+        .defaultNote = "neutral"},
+       parsedBy(parseBackground)},
+      {{.name = "exposure", .argument = "EV", .help = "stops by which the light is brighter, -10 to 10"},
+       number(&Look::exposure, within(-10, 10))}};
+  return rows;
 }
 
 }  // namespace
@@ -103,56 +145,15 @@ std::string materialNames() {
   return text;
 }
 
-std::vector<OptionSpec> lookOptionSpecs() {
-  return {{.name = "material",
-           .argument = "NAME|COLOUR",
-           .defaultValue = "clay",
-           .help = "what the surface is made of: " + materialNames() +
-                   "; or a colour such as #c08040 or 0.8,0.5,0.2, followed by :matt, :satin (as without), :glossy or "
-                   ":metal. The colours of a mesh's points take the place of the material's"},
-          {.name = "light",
-           .argument = "AZ,EL",
-           .defaultValue = "-48,41",
-           .help = "where the key light stands: degrees from the viewer, positive to the right, and above the horizon. "
-                   "It goes along with the camera"},
-          {.name = "sky",
-           .argument = "S",
-           .defaultValue = "1",
-           .help = "the brightness of the light from the sky, the floor and behind; 0 leaves the key light alone"},
-          {.name = "ground", .help = "put a floor under the lowest point, which takes shadows"},
-          {.name = "background",
-           .argument = "COLOUR|none",
-           .help = "a plain colour such as #203040 or 0.1,0.2,0.3 behind the surface, or none for alpha",
-           .defaultNote = "neutral"},
-          {.name = "exposure",
-           .argument = "EV",
-           .defaultValue = "0",
-           .help = "stops by which the light is brighter, -10 to 10"}};
-}
+std::vector<OptionSpec> lookOptionSpecs() { return lookRows().specs(); }
 
 Look parseLook(const RecipeReader& reader) {
-  constexpr double kMostStops = 10, kBrightestSky = 100;
   Look look;
-  look.material = parseMaterial(reader);
-  std::tie(look.keyAzimuth, look.keyElevation) = parseLight(reader);
-  look.sky = reader.number("sky");
-  if (!(look.sky >= 0 && look.sky <= kBrightestSky)) reader.refuse("sky", "0 to 100");
-  look.ground = reader.flag("ground");
+  lookRows().read(reader, look);
   if (look.ground && !(look.keyElevation > 0))
     throw std::invalid_argument("--light " + reader.text("light") +
                                 " is below the floor of --ground, which would hide all; raise it above 0 degrees, or "
                                 "leave out --ground");
-  if (reader.has("background")) {
-    const std::string text = reader.text("background");
-    look.backdrop = text == "none" ? Backdrop::None : Backdrop::Plain;
-    if (look.backdrop == Backdrop::Plain) {
-      const std::optional<Vec3d> colour = colourFromText(text);
-      if (!colour) reader.refuse("background", "none, or a colour such as #203040 or 0.1,0.2,0.3");
-      look.plain = *colour;
-    }
-  }
-  look.exposure = reader.number("exposure");
-  if (!(std::abs(look.exposure) <= kMostStops)) reader.refuse("exposure", "-10 to 10");
   return look;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/render/view_options.h"
 
+#include "recipe/option_rows.h"
+
 #include <algorithm>
 #include <array>
 #include <stdexcept>
@@ -14,79 +16,97 @@ constexpr int kLargestSide = 32768;  // pixels
 /// The options that a position of the eye replaces.
 constexpr std::array kAnglesOfEye{"azimuth", "elevation", "zoom"};
 
-void parseSize(const RecipeReader& reader, ViewOptions& options) {
-  const std::vector<std::string> sides = split(reader.text("size"), 'x');
+void parseSize(const RecipeReader& reader, const std::string& name, ViewOptions& options) {
+  const std::vector<std::string> sides = split(reader.text(name), 'x');
   const auto side = [&](std::size_t i) {
     const std::optional<int> pixels = sides.size() == 2 ? wholeFromText<int>(sides[i]) : std::nullopt;
-    if (!pixels || *pixels < 1 || *pixels > kLargestSide) reader.refuse("size", "WIDTHxHEIGHT, each 1 to 32768");
+    if (!pixels || *pixels < 1 || *pixels > kLargestSide) reader.refuse(name, "WIDTHxHEIGHT, each 1 to 32768");
     return *pixels;
   };
   options.width = side(0);
   options.height = side(1);
 }
 
-/// @param domain  the text that follows "it must be"
-double numberWithin(const RecipeReader& reader, const char* name, double low, double high, const char* domain) {
-  const double value = reader.number(name);
-  if (!(value >= low && value <= high)) reader.refuse(name, domain);
-  return value;
-}
-
-void parseUp(const RecipeReader& reader, ViewOptions& options) {
-  if (!reader.has("up")) return;
-  const std::string text = reader.text("up");
+void parseUp(const RecipeReader& reader, const std::string& name, ViewOptions& options) {
+  const std::string text = reader.text(name);
   if (text == "keep" || text == "auto") return;  // both are what the file has
   if (text == "y" || text == "z") {
     options.upAxis = text == "y" ? UpAxis::Y : UpAxis::Z;
   } else {
-    if (text.find(',') == std::string::npos) reader.refuse("up", "keep, y, z, auto, or a direction X,Y,Z");
-    options.up = reader.vector("up");
-    if (options.up->length() == 0) reader.refuse("up", "a direction");
+    if (text.find(',') == std::string::npos) reader.refuse(name, "keep, y, z, auto, or a direction X,Y,Z");
+    options.up = reader.vector(name);
+    if (options.up->length() == 0) reader.refuse(name, "a direction");
   }
 }
 
-FieldView parseView(const RecipeReader& reader, const ViewOptions& common) {
-  const auto vector = [&](const char* name) {
-    return reader.has(name) ? std::optional(reader.vector(name)) : std::nullopt;
-  };
-  return {.eye = vector("eye"),
-          .lookAt = vector("look-at"),
-          .up = common.up,
-          .angles = common.angles,
-          .upAxis = common.upAxis};
+const OptionRows<ViewOptions>& viewRows() {
+  static const OptionRows<ViewOptions> rows{
+      {{.name = "size", .argument = "WxH", .help = "pixels"}, parsedBy(parseSize)},
+      {{.name = "azimuth", .argument = "DEG", .help = "angle about the vertical axis, 0 being the front"},
+       number(
+           [](auto& view) -> auto& { return view.angles.azimuth; }, within(-1e6, 1e6))},
+      {{.name = "elevation", .argument = "DEG", .help = "angle above the horizon"},
+       number(
+           [](auto& view) -> auto& { return view.angles.elevation; }, within(-90, 90))},
+      {{.name = "fov", .argument = "DEG", .help = "vertical field of view"},
+       number(
+           [](auto& view) -> auto& { return view.angles.fieldOfView; }, within(1, 150))},
+      {{.name = "samples", .argument = "N", .help = "rays per pixel: 1, 4, 9 or 16; rough pixels get twice as many"},
+       choice<int>(&ViewOptions::samples, {{"1", 1}, {"4", 4}, {"9", 9}, {"16", 16}})},
+      {{.name = "zoom", .argument = "F", .help = "magnification: above 1 comes closer"},
+       number(
+           [](auto& view) -> auto& { return view.angles.zoom; }, within(1e-3, 1e3))},
+      {{.name = "up",
+        .argument = "keep|y|z|auto|X,Y,Z",
+        .help = "the axis of the world that points up: y, z, or, with keep and auto, that of the file or of "
+                "--target-up; or, with --field, the direction that is up in the picture alone",
+        .defaultNote = "keep"},
+       parsedBy(parseUp)}};
+  return rows;
+}
+
+/// What a picture of a map's set takes besides: the eye and the steps of rays.
+const OptionRows<FieldPicture>& fieldViewRows() {
+  static const OptionRows<FieldPicture> rows{
+      {{.name = "eye",
+        .argument = "X,Y,Z",
+        .help = "the position of the eye, in the target's units, instead of azimuth, elevation and zoom"},
+       vector([](auto& picture) -> auto& { return picture.view.eye; })},
+      {{.name = "look-at",
+        .argument = "X,Y,Z",
+        .help = "the point in the middle of the picture",
+        .defaultNote = "the middle of the set"},
+       vector([](auto& picture) -> auto& { return picture.view.lookAt; })},
+      {{.name = "epsilon", .argument = "E", .help = "the shortest step of a ray, in fractal space"},
+       number(
+           [](auto& picture) -> auto& { return picture.render.clarity.epsilon; }, atLeast(1e-9))},
+      {{.name = "alpha-clarity",
+        .argument = "A",
+        .help = "the length of a ray's steps is A d^D at the distance d from the eye",
+        .defaultNote = "as long as a pixel is wide"},
+       number(
+           [](auto& picture) -> auto& { return picture.render.clarity.alpha; }, atLeast(0))},
+      {{.name = "delta", .argument = "D", .help = "the exponent D: 0, 1 or 2"},
+       choice<int>([](auto& picture) -> auto& { return picture.render.clarity.delta; },
+                   {{"0", 0}, {"1", 1}, {"2", 2}})},
+      {{.name = "no-skip", .help = "evaluate every sample, even where the map is proved to be empty; for checking"},
+       parsedBy([](const RecipeReader& reader, const std::string& name,
+                   FieldPicture& picture) { picture.render.skip = !reader.flag(name); },
+                {.kind = OptionType::Kind::Flag})}};
+  return rows;
 }
 
 }  // namespace
 
 std::vector<OptionSpec> viewOptionSpecs(const std::string& size) {
-  return {{.name = "size", .argument = "WxH", .defaultValue = size, .help = "pixels"},
-          {.name = "azimuth",
-           .argument = "DEG",
-           .defaultValue = "-30",
-           .help = "angle about the vertical axis, 0 being the front"},
-          {.name = "elevation", .argument = "DEG", .defaultValue = "15", .help = "angle above the horizon"},
-          {.name = "fov", .argument = "DEG", .defaultValue = "30", .help = "vertical field of view"},
-          {.name = "samples",
-           .argument = "N",
-           .defaultValue = "4",
-           .help = "rays per pixel: 1, 4, 9 or 16; rough pixels get twice as many"},
-          {.name = "zoom", .argument = "F", .defaultValue = "1", .help = "magnification: above 1 comes closer"},
-          {.name = "up",
-           .argument = "keep|y|z|auto|X,Y,Z",
-           .help = "the axis of the world that points up: y, z, or, with keep and auto, that of the file or of "
-                   "--target-up; or, with --field, the direction that is up in the picture alone",
-           .defaultNote = "keep"}};
+  std::vector<OptionSpec> options = viewRows().specs();
+  options.front().defaultValue = size;
+  return options;
 }
 
 ViewOptions parseViewOptions(const RecipeReader& reader) {
   ViewOptions options;
-  parseSize(reader, options);
-  options.samples = reader.choice<int>("samples", {{"1", 1}, {"4", 4}, {"9", 9}, {"16", 16}});
-  options.angles = {.azimuth = numberWithin(reader, "azimuth", -1e6, 1e6, "-1e6 to 1e6 degrees"),
-                    .elevation = numberWithin(reader, "elevation", -90, 90, "-90 to 90 degrees"),
-                    .fieldOfView = numberWithin(reader, "fov", 1, 150, "1 to 150 degrees"),
-                    .zoom = numberWithin(reader, "zoom", 1e-3, 1e3, "0.001 to 1000")};
-  parseUp(reader, options);
+  viewRows().read(reader, options);
   return options;
 }
 
@@ -105,25 +125,7 @@ Camera FieldView::camera(const FieldSource& source, const openvdb::BBoxd& region
   return camera;
 }
 
-std::vector<OptionSpec> fieldViewOptionSpecs() {
-  return {{.name = "eye",
-           .argument = "X,Y,Z",
-           .help = "the position of the eye, in the target's units, instead of azimuth, elevation and zoom"},
-          {.name = "look-at",
-           .argument = "X,Y,Z",
-           .help = "the point in the middle of the picture",
-           .defaultNote = "the middle of the set"},
-          {.name = "epsilon",
-           .argument = "E",
-           .defaultValue = "5e-5",
-           .help = "the shortest step of a ray, in fractal space"},
-          {.name = "alpha-clarity",
-           .argument = "A",
-           .help = "the length of a ray's steps is A d^D at the distance d from the eye",
-           .defaultNote = "as long as a pixel is wide"},
-          {.name = "delta", .argument = "D", .defaultValue = "1", .help = "the exponent D: 0, 1 or 2"},
-          {.name = "no-skip", .help = "evaluate every sample, even where the map is proved to be empty; for checking"}};
-}
+std::vector<OptionSpec> fieldViewOptionSpecs() { return fieldViewRows().specs(); }
 
 std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size) {
   std::vector<OptionSpec> options = viewOptionSpecs(size);
@@ -134,25 +136,15 @@ std::vector<OptionSpec> fieldPictureOptionSpecs(const std::string& size) {
 FieldPicture parseFieldPicture(const Recipe& given, const OptionTable& table) {
   const RecipeReader reader(given, table);
   const ViewOptions common = parseViewOptions(reader);
-  FieldPicture picture{.view = parseView(reader, common)};
+  FieldPicture picture{.view = {.up = common.up, .angles = common.angles, .upAxis = common.upAxis},
+                       .render = {.width = common.width, .height = common.height, .samples = common.samples}};
+  fieldViewRows().read(reader, picture);
   for (const char* name : kAnglesOfEye)
     if (picture.view.eye && given.contains(name))
       throw std::invalid_argument(std::string("--eye and --") + name +
                                   " both set the position of the eye; give only one of them");
-  FieldRenderOptions& render = picture.render;
-  render.width = common.width;
-  render.height = common.height;
-  render.samples = common.samples;
   if (table.knows("colour")) picture.colour = parseColour(reader);
-  render.clarity.epsilon = reader.number("epsilon");
-  if (!(render.clarity.epsilon >= 1e-9)) reader.refuse("epsilon", "at least 1e-9");
-  if (reader.has("alpha-clarity")) {
-    render.clarity.alpha = reader.number("alpha-clarity");
-    if (!(*render.clarity.alpha >= 0)) reader.refuse("alpha-clarity", "at least 0");
-  }
-  render.clarity.delta = reader.choice<int>("delta", {{"0", 0}, {"1", 1}, {"2", 2}});
-  render.skip = !reader.flag("no-skip");
-  if (table.knows("material")) render.look = parseLook(reader);
+  if (table.knows("material")) picture.render.look = parseLook(reader);
   return picture;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/repair/mend_options.h"
 
+#include "recipe/option_rows.h"
 #include "vdbtools/formats/vdb_file.h"
 
 #include <cmath>
@@ -28,53 +29,68 @@ SolidifyOptions parseSolidify(const RecipeReader& reader) {
   return options;
 }
 
-}  // namespace
-
-std::vector<OptionSpec> mendOptionSpecs() {
-  std::vector<OptionSpec> options = {
-      {.name = "repair",
-       .help = "close holes and gaps of an open mesh or a triangle soup: loops of open edges are capped, and what they "
-               "leave open is spanned"},
-      {.name = "repair-gap",
-       .argument = "W",
-       .defaultValue = "0",
-       .help = "close gaps up to this width, in the mesh's units, and cap nothing else; 0 caps loops, and uses the "
-               "smallest width that closes the mesh where that is not enough"},
-      {.name = "solidify",
-       .argument = "[x|y|z:]DEPTH",
-       .help = "make a block of open terrain: walls go from its open edges straight down to a flat base, DEPTH below "
-               "its lowest point in the mesh's units. The axis that is up is found, or given as in z:0.5"},
-      {.name = "thicken",
-       .argument = "W",
-       .help = "make a plate of a sheet: everything within half of W from the mesh, in its units"},
-      {.name = "points-radius",
-       .argument = "R",
-       .help = "make a solid of a cloud of points: everything within R of a point of the file, in its units; faces are "
-               "not used"},
-      {.name = "hollows",
-       .argument = "fill|keep",
-       .defaultValue = "fill",
-       .help = "what becomes of closed parts within others: fill makes one solid of them; keep leaves a cavity where "
-               "the orientation of the inner part says that there is one"},
+const OptionRows<MendOptions>& mendRows() {
+  static const OptionRows<MendOptions> rows{
+      {{.name = "repair",
+        .help =
+            "close holes and gaps of an open mesh or a triangle soup: loops of open edges are capped, and what they "
+            "leave open is spanned",
+        .idle = idleWithoutMesh},
+       flag(&MendOptions::repair)},
+      {{.name = "repair-gap",
+        .argument = "W",
+        .help = "close gaps up to this width, in the mesh's units, and cap nothing else; 0 caps loops, and uses the "
+                "smallest width that closes the mesh where that is not enough",
+        .idle = idleByAny({idleWithoutMesh, idleWithoutFlag("repair")})},
+       number(&MendOptions::gap, atLeast(0))},
+      {{.name = "solidify",
+        .argument = "[x|y|z:]DEPTH",
+        .help = "make a block of open terrain: walls go from its open edges straight down to a flat base, DEPTH below "
+                "its lowest point in the mesh's units. The axis that is up is found, or given as in z:0.5",
+        .idle = idleWithoutMesh},
+       parsedBy([](const RecipeReader& reader, const std::string&, MendOptions& options) {
+         options.solidify = parseSolidify(reader);
+       })},
+      {{.name = "thicken",
+        .argument = "W",
+        .help = "make a plate of a sheet: everything within half of W from the mesh, in its units",
+        .idle = idleWithoutMesh},
+       withoutDefault(number(&MendOptions::thicken, above(0)))},
+      {{.name = "points-radius",
+        .argument = "R",
+        .help =
+            "make a solid of a cloud of points: everything within R of a point of the file, in its units; faces are "
+            "not used",
+        .idle = idleWithoutMesh},
+       withoutDefault(number(&MendOptions::pointsRadius, above(0)))},
+      {{.name = "hollows",
+        .help = "what becomes of closed parts within others: fill makes one solid of them; keep leaves a cavity where "
+                "the orientation of the inner part says that there is one",
+        .idle = idleWithoutMesh},
+       choice<Hollows>(&MendOptions::hollows, {{"fill", Hollows::Fill}, {"keep", Hollows::Keep}})},
+      {{.name = "iso",
+        .argument = "V",
+        .help =
+            "make a target of any grid of a VDB, such as a density: its surface is where the grid is V. Inside, the "
+            "grid is larger; a level set is smaller, so that V moves its surface outwards",
+        .defaultNote = "0, and half of the largest value of a fog volume",
+        .idle = idleWithoutVdb},
+       number([](auto& options) -> auto& { return options.volume.isovalue; })},
+      {{.name = "invert",
+        .help =
+            "turn the sign of a VDB's level set, which must be negative inside; for --iso of other grids, the inside "
+            "is where they are smaller",
+        .idle = idleWithoutVdb},
+       flag([](auto& options) -> auto& { return options.volume.invert; })},
   };
-  for (OptionSpec& option : options) option.idle = idleWithoutMesh;
-  options[1].idle = idleByAny({idleWithoutMesh, idleWithoutFlag("repair")});
-  options.push_back({.name = "iso",
-                     .argument = "V",
-                     .help =
-                         "make a target of any grid of a VDB, such as a density: its surface is where the grid is V. "
-                         "Inside, the grid is larger; a level set is smaller, so that V moves its surface outwards",
-                     .defaultNote = "0, and half of the largest value of a fog volume",
-                     .idle = idleWithoutVdb});
-  options.push_back({.name = "invert",
-                     .help = "turn the sign of a VDB's level set, which must be negative inside; for --iso of other "
-                             "grids, the inside is where they are smaller",
-                     .idle = idleWithoutVdb});
-  return options;
+  return rows;
 }
 
+}  // namespace
+
+std::vector<OptionSpec> mendOptionSpecs() { return mendRows().specs(); }
+
 MendOptions parseMendOptions(const RecipeReader& reader) {
-  MendOptions options{.repair = reader.flag("repair"), .gap = reader.notNegative("repair-gap")};
   const char* first = nullptr;
   for (const char* way : kWays) {
     if (!reader.has(way)) continue;
@@ -83,12 +99,8 @@ MendOptions parseMendOptions(const RecipeReader& reader) {
                                   " both make a solid of the mesh; give only one of them");
     first = way;
   }
-  if (reader.has("solidify")) options.solidify = parseSolidify(reader);
-  if (reader.has("thicken")) options.thicken = reader.positive("thicken");
-  if (reader.has("points-radius")) options.pointsRadius = reader.positive("points-radius");
-  options.hollows = reader.choice<Hollows>("hollows", {{"fill", Hollows::Fill}, {"keep", Hollows::Keep}});
-  if (reader.has("iso")) options.volume.isovalue = reader.number("iso");
-  options.volume.invert = reader.flag("invert");
+  MendOptions options;
+  mendRows().read(reader, options);
   return options;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/scene/attribute_options.h"
 
+#include "recipe/option_rows.h"
+
 #include <algorithm>
 #include <array>
 #include <set>
@@ -27,9 +29,9 @@ const std::array<Known, 7>& known() {
   return all;
 }
 
-std::string knownNames() {
-  std::string names;
-  for (const Known& one : known()) names += (names.empty() ? "" : ", ") + one.column.name;
+Choices<PointAttribute> attributeNames() {
+  Choices<PointAttribute> names;
+  for (const Known& one : known()) names.emplace_back(one.column.name, one.attribute);
   return names;
 }
 
@@ -39,29 +41,13 @@ VertexColumn transferredColumn(const std::string& name) {
   return {name, ColumnKind::Number};
 }
 
-std::vector<PointAttribute> parseComputed(const RecipeReader& reader) {
-  std::vector<PointAttribute> result;
-  if (!reader.has("attributes")) return result;
-  for (const std::string& name : split(reader.text("attributes"), ',')) {
-    const auto found =
-        std::find_if(known().begin(), known().end(), [&](const Known& one) { return one.column.name == name; });
-    if (found == known().end()) reader.refuse("attributes", "a list of " + knownNames());
-    if (std::find(result.begin(), result.end(), found->attribute) != result.end())
-      reader.refuse("attributes", "a list in which no name occurs twice");
-    result.push_back(found->attribute);
+void parseTransferred(const RecipeReader& reader, const std::string& option, AttributeOptions& options) {
+  for (const std::string& name : split(reader.text(option), ',')) {
+    std::vector<std::string>& names = options.transferred;
+    if (name.empty() || std::find(names.begin(), names.end(), name) != names.end())
+      reader.refuse(option, "a list of uv, Cd and names of the target's vertex attributes, in which none occurs twice");
+    names.push_back(name);
   }
-  return result;
-}
-
-std::vector<std::string> parseTransferred(const RecipeReader& reader) {
-  if (!reader.has("transfer")) return {};
-  std::vector<std::string> names = split(reader.text("transfer"), ',');
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i].empty() || std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
-                                names.begin() + static_cast<std::ptrdiff_t>(i))
-      reader.refuse("transfer",
-                    "a list of uv, Cd and names of the target's vertex attributes, in which none occurs twice");
-  return names;
 }
 
 /// The names that a column has in files.
@@ -104,13 +90,7 @@ std::string idleColour(const OptionRun& run) {
              : "";
 }
 
-}  // namespace
-
-bool AttributeOptions::has(PointAttribute attribute) const {
-  return std::find(computed.begin(), computed.end(), attribute) != computed.end();
-}
-
-std::vector<OptionSpec> attributeOptionSpecs() {
+const OptionRows<AttributeOptions>& attributeRows() {
   // An STL has room for none, which is said after the run.
   const IdleRule noPoints =
       idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb}, "the points of a mesh or a VDB");
@@ -118,23 +98,38 @@ std::vector<OptionSpec> attributeOptionSpecs() {
   colour.idle = idleByAny({idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb, Product::Picture},
                                        "the points of a mesh or a VDB, or a picture of the map"),
                            idleColour});
-  return {
-      {.name = "attributes",
-       .argument = "LIST",
-       .help = "what the vertices of the mesh carry and, by the same names, the voxels of the VDB: a list of " +
-               knownNames() + " (docs/attributes.md)",
-       .idle = noPoints},
-      std::move(colour),
-      {.name = "transfer",
-       .argument = "LIST",
-       .help = "what is carried over from the target's nearest point: a list of uv (texture coordinates), Cd (painted "
-               "colour) and names of vertex attributes",
-       .idle = noPoints}};
+  std::string names;
+  for (const std::string& name : wordsOf(attributeNames())) names += (names.empty() ? "" : ", ") + name;
+  static const OptionRows<AttributeOptions> rows{
+      {{.name = "attributes",
+        .argument = "LIST",
+        .help = "what the vertices of the mesh carry and, by the same names, the voxels of the VDB: a list of " +
+                names + " (docs/attributes.md)",
+        .idle = noPoints},
+       withoutDefault(list<PointAttribute>(&AttributeOptions::computed, attributeNames()))},
+      {colour, parsedBy([](const RecipeReader& reader, const std::string&, AttributeOptions& options) {
+         options.colour = parseColour(reader);
+       })},
+      {{.name = "transfer",
+        .argument = "LIST",
+        .help = "what is carried over from the target's nearest point: a list of uv (texture coordinates), Cd (painted "
+                "colour) and names of vertex attributes",
+        .idle = noPoints},
+       parsedBy(parseTransferred)}};
+  return rows;
 }
 
+}  // namespace
+
+bool AttributeOptions::has(PointAttribute attribute) const {
+  return std::find(computed.begin(), computed.end(), attribute) != computed.end();
+}
+
+std::vector<OptionSpec> attributeOptionSpecs() { return attributeRows().specs(); }
+
 AttributeOptions parseAttributeOptions(const RecipeReader& reader) {
-  AttributeOptions options{.computed = parseComputed(reader), .colour = parseColour(reader)};
-  options.transferred = parseTransferred(reader);
+  AttributeOptions options;
+  attributeRows().read(reader, options);
   // A colour is chosen to be seen, unless the files have another one.
   const std::vector<std::string>& names = options.transferred;
   if (options.colour && !options.has(PointAttribute::Cd) && std::find(names.begin(), names.end(), "Cd") == names.end())

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/scene/file_axes.h"
 
+#include "recipe/option_rows.h"
+
 #include "vdbtools/base/errors.h"
 #include "vdbtools/recipe/option_value.h"
 
@@ -42,11 +44,36 @@ std::string idleUnits(const OptionRun& run) {
   return "it is for files that have room for a unit, which are VDBs, meshes and stacks of slices; leave it out";
 }
 
-/// The unit of that name.
-std::optional<LengthUnit> unitCalled(const std::string& name) {
-  for (const LengthUnit unit : kLengthUnits)
-    if (name == nameOf(unit)) return unit;
-  return std::nullopt;
+const Choices<UpRule>& upRules() {
+  static const Choices<UpRule> rules = {
+      {"keep", UpRule::Keep}, {"y", UpRule::Y}, {"z", UpRule::Z}, {"auto", UpRule::Auto}};
+  return rules;
+}
+
+Choices<LengthUnit> lengthUnits() {
+  Choices<LengthUnit> units;
+  for (const LengthUnit unit : kLengthUnits) units.emplace_back(nameOf(unit), unit);
+  return units;
+}
+
+const OptionRows<FileAxes>& axesRows() {
+  static const OptionRows<FileAxes> rows{
+      {{.name = "target-up", .help = "the axis of the target that points up", .idle = idleTargetUp},
+       choice<UpAxis>(&FileAxes::target, {{"y", UpAxis::Y}, {"z", UpAxis::Z}})},
+      {{.name = "up",
+        .help =
+            "the axis that points up in the files: keep writes the target's coordinates, y and z turn them where "
+            "needed, and auto turns each file as most programs take its format (PLY and STL: z, others: y); GLB has "
+            "Y up always",
+        .idle = idleUp},
+       choice<UpRule>(&FileAxes::rule, upRules())},
+      {{.name = "units",
+        .help = "the unit of the target's coordinates. The files then say it, a GLB is scaled to metres, as its "
+                "specification has it, and print and usd know the true size",
+        .defaultNote = "as a target that this program made says, or none",
+        .idle = idleUnits},
+       choice<LengthUnit>(&FileAxes::unit, lengthUnits())}};
+  return rows;
 }
 
 }  // namespace
@@ -58,50 +85,23 @@ UpAxis FileAxes::ofMesh(MeshFormat format) const {
   return axisOf(*this, format == MeshFormat::Obj ? UpAxis::Y : UpAxis::Z);
 }
 
-std::vector<OptionSpec> fileAxesOptionSpecs() {
-  return {
-      {.name = "target-up",
-       .argument = "y|z",
-       .defaultValue = "y",
-       .help = "the axis of the target that points up",
-       .idle = idleTargetUp},
-      {.name = "up",
-       .argument = "keep|y|z|auto",
-       .defaultValue = "keep",
-       .help = "the axis that points up in the files: keep writes the target's coordinates, y and z turn them where "
-               "needed, and auto turns each file as most programs take its format (PLY and STL: z, others: y); "
-               "GLB has Y up always",
-       .idle = idleUp},
-      {.name = "units",
-       .argument = "mm|cm|m|in",
-       .help = "the unit of the target's coordinates. The files then say it, a GLB is scaled to metres, as its "
-               "specification has it, and print and usd know the true size",
-       .defaultNote = "as a target that this program made says, or none",
-       .idle = idleUnits}};
-}
+std::vector<OptionSpec> fileAxesOptionSpecs() { return axesRows().specs(); }
 
-UpRule parseUpRule(const std::string& value) {
-  return parseChoice<UpRule>("up", value,
-                             {{"keep", UpRule::Keep}, {"y", UpRule::Y}, {"z", UpRule::Z}, {"auto", UpRule::Auto}});
-}
+UpRule parseUpRule(const std::string& value) { return chosen("up", value, upRules()); }
 
 FileAxes parseFileAxes(const RecipeReader& reader) {
-  return {.target = reader.choice<UpAxis>("target-up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}}),
-          .rule = parseUpRule(reader.text("up")),
-          .unit = reader.has("units") ? std::optional(parseLengthUnit(reader.text("units"))) : std::nullopt};
+  FileAxes axes;
+  axesRows().read(reader, axes);
+  return axes;
 }
 
-LengthUnit parseLengthUnit(const std::string& value) {
-  if (const std::optional<LengthUnit> unit = unitCalled(value)) return *unit;
-  std::vector<std::string> names;
-  for (const LengthUnit unit : kLengthUnits) names.emplace_back(nameOf(unit));
-  refuseChoice("units", value, names);
-}
+LengthUnit parseLengthUnit(const std::string& value) { return chosen("units", value, lengthUnits()); }
 
 std::optional<LengthUnit> recordedUnit(const std::map<std::string, std::string>& metadata) {
   const auto entry = metadata.find(kLengthUnit);
   if (entry == metadata.end()) return std::nullopt;
-  if (const std::optional<LengthUnit> unit = unitCalled(entry->second)) return unit;
+  for (const auto& [name, unit] : lengthUnits())
+    if (name == entry->second) return unit;
   throw DataError("the file's metadata " + std::string(kLengthUnit) + " is '" + entry->second +
                   "'; it must be mm, cm, m or in");
 }

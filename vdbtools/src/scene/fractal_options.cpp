@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/scene/fractal_options.h"
 
+#include "recipe/option_rows.h"
+
 #include <algorithm>
 #include <iterator>
 #include <stdexcept>
@@ -8,24 +10,6 @@
 
 namespace vdbtools {
 namespace {
-
-std::vector<OutputGrid> parseGrids(const RecipeReader& reader) {
-  constexpr std::pair<const char*, OutputGrid> kKnown[] = {{"surface", OutputGrid::Surface},
-                                                           {"density", OutputGrid::Density},
-                                                           {"logmodulus", OutputGrid::LogModulus},
-                                                           {"iterations", OutputGrid::Iterations},
-                                                           {"versor", OutputGrid::Versor}};
-  std::vector<OutputGrid> grids;
-  for (const std::string& name : split(reader.text("grids"), ',')) {
-    const auto known =
-        std::find_if(std::begin(kKnown), std::end(kKnown), [&](const auto& k) { return k.first == name; });
-    if (known == std::end(kKnown)) reader.refuse("grids", "a list of surface, density, logmodulus, iterations, versor");
-    if (std::find(grids.begin(), grids.end(), known->second) != grids.end())
-      reader.refuse("grids", "a list in which no name occurs twice");
-    grids.push_back(known->second);
-  }
-  return grids;
-}
 
 /// Refuses attributes of a target that is not there, and of a mask that the map does not have.
 void requireSources(const RecipeReader& reader, const FractalOptions& options) {
@@ -42,43 +26,55 @@ void requireSources(const RecipeReader& reader, const FractalOptions& options) {
 }
 
 /// "100%,25%,5%": the levels after the first, as shares.
-std::vector<double> parseLevels(const RecipeReader& reader) {
+void parseLevels(const RecipeReader& reader, const std::string& name, OutputOptions& options) {
   constexpr const char* kWanted = "percentages that begin with 100% and fall, such as 100%,25%,5%";
   constexpr std::size_t kMost = 8;
-  std::vector<double> levels;
   double last = 0;
-  for (const std::string& text : split(reader.text("lod"), ',')) {
+  for (const std::string& text : split(reader.text(name), ',')) {
     const std::optional<double> value =
         text.ends_with('%') ? numberFromText(text.substr(0, text.size() - 1)) : std::nullopt;
     const bool first = last == 0;
-    if (!value || !(first ? *value == 100 : *value > 0 && *value < last)) reader.refuse("lod", kWanted);
-    if (!first) levels.push_back(*value / 100);
+    if (!value || !(first ? *value == 100 : *value > 0 && *value < last)) reader.refuse(name, kWanted);
+    if (!first) options.levels.push_back(*value / 100);
     last = *value;
   }
-  if (last == 0 || levels.size() > kMost) reader.refuse("lod", kWanted);
-  return levels;
+  if (last == 0 || options.levels.size() > kMost) reader.refuse(name, kWanted);
 }
 
-std::vector<OptionSpec> outputOptionSpecs() {
-  const IdleRule noVdb = idleWithout({Product::Vdb}, "a VDB");
-  OptionSpec gridNames = gridNamesOption();
-  gridNames.idle = noVdb;
-  return {{.name = "precision",
-           .argument = "auto|float|double",
-           .defaultValue = "auto",
-           .help = "the arithmetic of the iteration; auto uses float where it is as good as double"},
-          {.name = "grids",
-           .argument = "LIST",
-           .defaultValue = "surface",
-           .help = "the grids of the VDB, a list of surface, density, logmodulus, iterations, versor",
-           .idle = noVdb},
-          gridNames,
-          {.name = "half", .help = "write 16-bit floats", .idle = noVdb},
-          {.name = "lod",
-           .argument = "LIST",
-           .defaultValue = "100%",
-           .help = "levels of detail in a GLB, by their shares of the triangles, such as 100%,25%,5%",
-           .idle = idleWithout({Product::Glb}, "a GLB")}};
+const OptionRows<FractalOptions>& precisionRow() {
+  static const OptionRows<FractalOptions> row{
+      {{.name = "precision", .help = "the arithmetic of the iteration; auto uses float where it is as good as double"},
+       choice<Precision>(&FractalOptions::precision,
+                         {{"auto", Precision::Auto}, {"float", Precision::Float}, {"double", Precision::Double}})}};
+  return row;
+}
+
+const OptionRows<OutputOptions>& outputRows() {
+  static const IdleRule noVdb = idleWithout({Product::Vdb}, "a VDB");
+  static const OptionRows<OutputOptions> rows{
+      {{.name = "grids",
+        .argument = "LIST",
+        .help = "the grids of the VDB, a list of surface, density, logmodulus, iterations, versor",
+        .idle = noVdb},
+       list<OutputGrid>(&OutputOptions::grids, {{"surface", OutputGrid::Surface},
+                                                {"density", OutputGrid::Density},
+                                                {"logmodulus", OutputGrid::LogModulus},
+                                                {"iterations", OutputGrid::Iterations},
+                                                {"versor", OutputGrid::Versor}})},
+      {[] {
+         OptionSpec names = gridNamesOption();
+         names.idle = noVdb;
+         return names;
+       }(),
+       readByRule()},
+      {{.name = "half", .help = "write 16-bit floats", .idle = noVdb}, flag(&OutputOptions::half)},
+      {{.name = "lod",
+        .argument = "LIST",
+        .defaultValue = "100%",
+        .help = "levels of detail in a GLB, by their shares of the triangles, such as 100%,25%,5%",
+        .idle = idleWithout({Product::Glb}, "a GLB")},
+       parsedBy(parseLevels)}};
+  return rows;
 }
 
 }  // namespace
@@ -93,7 +89,8 @@ OptionTable fractalOptionTable(const MapRegistry& maps) {
   add(spaceOptionSpecs());
   add(latticeOptionSpecs());
   add(surfaceOptionSpecs());
-  add(outputOptionSpecs());
+  add(precisionRow().specs());
+  add(outputRows().specs());
   add(attributeOptionSpecs());
   add(fileAxesOptionSpecs());
   return OptionTable(std::move(options), "map", maps.variants());
@@ -108,19 +105,16 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   options.map = maps.find(reader.text("map"))->parse(reader);
   options.lattice = parseLatticeOptions(reader);
   options.surface = parseSurfaceOptions(reader);
-  options.output = {.grids = parseGrids(reader),
-                    .half = reader.flag("half"),
-                    .axes = parseFileAxes(reader),
-                    .levels = parseLevels(reader),
-                    .attributes = parseAttributeOptions(reader)};
+  precisionRow().read(reader, options);
+  outputRows().read(reader, options.output);
+  options.output.axes = parseFileAxes(reader);
+  options.output.attributes = parseAttributeOptions(reader);
   std::vector<std::string> grids = split(reader.text("grids"), ',');
   for (const VertexColumn& column : meshColumns(options.output.attributes)) grids.push_back(column.name);
   options.output.gridNames = parseGridNames(reader.text("grid-names"), grids);
   requireSources(reader, options);
   if (options.lattice.automatic && !options.map->shell())
     reader.refuse("resolution", "a number, as only --map shape-modulus has a texture by which to choose it");
-  options.precision = reader.choice<Precision>(
-      "precision", {{"auto", Precision::Auto}, {"float", Precision::Float}, {"double", Precision::Double}});
   return options;
 }
 

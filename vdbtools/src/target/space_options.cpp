@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/target/space_options.h"
 
+#include "recipe/option_rows.h"
 #include "repair/solid_input.h"
 #include "vdbtools/distance/fit_space.h"
 #include "vdbtools/target/target_survey.h"
@@ -12,6 +13,9 @@ namespace {
 
 using openvdb::BBoxd;
 using openvdb::Vec3d;
+
+constexpr const char* kAutoOrigin = "auto";
+constexpr const char* kCentre = "centre";
 
 PlacedSpace shifted(const FractalSpace& unmoved, const SpaceOptions& options) {
   PlacedSpace placed{unmoved, unmoved};
@@ -53,56 +57,63 @@ std::string idleSpace(const OptionRun& run) {
              : "it says how a target is scaled, and there is no target; leave it out";
 }
 
-}  // namespace
-
-std::vector<OptionSpec> spaceOptionSpecs() {
-  return {
-      {.name = "origin",
-       .argument = "auto|centre|X,Y,Z",
-       .defaultValue = "auto",
-       .help = "where in the target the origin of the dynamics lies. auto: at the centre of the largest ball inside it "
-               "(other maps than shape-modulus: as centre); centre: in the middle of its box; or an offset from there "
-               "in fractal space",
-       .idle = idleOrigin},
-      {.name = "origin-near",
-       .argument = "X,Y,Z",
-       .help = "for --origin auto: among balls of nearly the same size choose the nearest to this point, given like an "
-               "origin (default: the middle of the box)",
-       .idle = idleOriginNear},
-      {.name = "origin-shift",
-       .argument = "X,Y,Z",
-       .defaultValue = "0,0,0",
-       .help = "move the dynamics from its origin, in fractal space, which erodes the set"},
-      {.name = "space",
-       .argument = "fit|world",
-       .defaultValue = "fit",
-       .help = "fit: the target is scaled to a longest side of 1 about the origin; world: coordinates are used as they "
-               "are",
-       .idle = idleSpace},
-  };
+void parseOrigin(const RecipeReader& reader, const std::string& name, SpaceOptions& options) {
+  const std::string origin = reader.text(name);
+  if (origin == kAutoOrigin) return;
+  if (origin == kCentre) {
+    options.origin = OriginKind::Centre;
+    return;
+  }
+  options.origin = OriginKind::Given;
+  try {
+    options.at = reader.vector(name);
+  } catch (const std::invalid_argument&) {
+    reader.refuse(name, "auto, centre, or three finite numbers with commas between them");
+  }
 }
 
+const OptionRows<SpaceOptions>& spaceRows() {
+  static const OptionRows<SpaceOptions> rows{
+      {{.name = "origin",
+        .argument = "auto|centre|X,Y,Z",
+        .defaultValue = kAutoOrigin,
+        .help =
+            "where in the target the origin of the dynamics lies. auto: at the centre of the largest ball inside it "
+            "(other maps than shape-modulus: as centre); centre: in the middle of its box; or an offset from there "
+            "in fractal space",
+        .idle = idleOrigin},
+       parsedBy(parseOrigin, {.kind = OptionType::Kind::Vector, .words = {kAutoOrigin, kCentre}})},
+      {{.name = "origin-near",
+        .argument = "X,Y,Z",
+        .help =
+            "for --origin auto: among balls of nearly the same size choose the nearest to this point, given like an "
+            "origin (default: the middle of the box)",
+        .idle = idleOriginNear},
+       vector(&SpaceOptions::near)},
+      {{.name = "origin-shift",
+        .argument = "X,Y,Z",
+        .help = "move the dynamics from its origin, in fractal space, which erodes the set"},
+       vector(&SpaceOptions::shift)},
+      {{.name = "space",
+        .help =
+            "fit: the target is scaled to a longest side of 1 about the origin; world: coordinates are used as they "
+            "are",
+        .idle = idleSpace},
+       choice<SpaceKind>(&SpaceOptions::kind, {{"fit", SpaceKind::Fit}, {"world", SpaceKind::World}})},
+  };
+  return rows;
+}
+
+}  // namespace
+
+std::vector<OptionSpec> spaceOptionSpecs() { return spaceRows().specs(); }
+
 SpaceOptions parseSpaceOptions(const RecipeReader& reader) {
-  SpaceOptions options{
-      .kind = reader.choice<SpaceKind>("space", {{"fit", SpaceKind::Fit}, {"world", SpaceKind::World}}),
-      .shift = reader.vector("origin-shift")};
-  const std::string origin = reader.text("origin");
-  if (origin == "centre") {
-    options.origin = OriginKind::Centre;
-  } else if (origin != "auto") {
-    options.origin = OriginKind::Given;
-    try {
-      options.at = reader.vector("origin");
-    } catch (const std::invalid_argument&) {
-      reader.refuse("origin", "auto, centre, or three finite numbers with commas between them");
-    }
-  }
-  if (reader.has("origin-near")) {
-    if (options.origin != OriginKind::Auto)
-      throw std::invalid_argument("--origin-near is for --origin auto, but --origin is '" + origin +
-                                  "'; give only one of them");
-    options.near = reader.vector("origin-near");
-  }
+  SpaceOptions options;
+  spaceRows().read(reader, options);
+  if (options.near && options.origin != OriginKind::Auto)
+    throw std::invalid_argument("--origin-near is for --origin auto, but --origin is '" + reader.text("origin") +
+                                "'; give only one of them");
   return options;
 }
 

@@ -253,82 +253,97 @@ std::string idleWithoutFrame(const OptionRun& run) {
   return run.text("target-frame").empty() ? "it is for --target-frame, which is not given" : "";
 }
 
-std::vector<OptionSpec> animationOptionSpecs() {
-  return {{.name = "target-frame",
-           .argument = "F",
-           .help = "the frame at which an animated glTF is the target; with --frames each frame by itself. Without a "
-                   "frame the nodes stand as the file says",
-           .idle = idleWithoutGltf},
-          {.name = "target-fps",
-           .argument = "N",
-           .help = "frames of that animation per second: frame F is F / N seconds after its beginning",
-           .defaultNote = numbersText({kUsualFps}),
-           .idle = idleByAny({idleWithoutGltf, idleWithoutFrame})},
-          {.name = "target-animation",
-           .argument = "NAME",
-           .help = "which animation, by its name or by its number from 0; all: all of them at once",
-           .defaultNote = "the first",
-           .idle = idleByAny({idleWithoutGltf, idleWithoutFrame})}};
+/// What a recipe says of a target's animation.
+struct AnimationOptions {
+  double fps = kUsualFps;
+  std::optional<double> frame{};
+  std::string name{};  ///< empty: the first animation
+};
+
+const OptionRows<AnimationOptions>& animationRows() {
+  static const OptionRows<AnimationOptions> rows{
+      {{.name = "target-frame",
+        .argument = "F",
+        .help =
+            "the frame at which an animated glTF is the target; with --frames each frame by itself. Without a frame "
+            "the nodes stand as the file says",
+        .idle = idleWithoutGltf},
+       number(&AnimationOptions::frame)},
+      {{.name = "target-fps",
+        .argument = "N",
+        .help = "frames of that animation per second: frame F is F / N seconds after its beginning",
+        .defaultNote = numbersText({kUsualFps}),
+        .idle = idleByAny({idleWithoutGltf, idleWithoutFrame})},
+       withoutDefault(number(&AnimationOptions::fps, above(0)))},
+      {{.name = "target-animation",
+        .argument = "NAME",
+        .help = "which animation, by its name or by its number from 0; all: all of them at once",
+        .defaultNote = "the first",
+        .idle = idleByAny({idleWithoutGltf, idleWithoutFrame})},
+       withoutDefault(text(&AnimationOptions::name))}};
+  return rows;
 }
 
 /// The moment that a recipe names. @param input  empty if there is no target
 std::optional<MeshMoment> parseMomentOptions(const RecipeReader& reader, const std::filesystem::path& input) {
-  const double fps = reader.has("target-fps") ? reader.positive("target-fps") : kUsualFps;
-  if (!reader.has("target-frame")) return std::nullopt;
-  const double frame = reader.number("target-frame");
-  if (input.empty()) return std::nullopt;
+  AnimationOptions options;
+  animationRows().read(reader, options);
+  if (!options.frame || input.empty()) return std::nullopt;
   if (!isGltfPath(input))
     throw std::invalid_argument("--target-frame is for an animated glTF, and '" + input.string() +
                                 "' is none; leave it out");
-  return MeshMoment{frame / fps, reader.has("target-animation") ? reader.text("target-animation") : ""};
+  return MeshMoment{*options.frame / options.fps, options.name};
+}
+
+void parseSdfVoxels(const RecipeReader& reader, TargetOptions& options) {
+  if (!reader.has("sdf-voxel-size")) {
+    if (reader.text("sdf-resolution") == kAutomatic) return;
+    if (!numberFromText(reader.text("sdf-resolution"))) reader.refuse("sdf-resolution", "a number of voxels, or auto");
+  }
+  options.sdfVoxels = reader.voxels("sdf-resolution", "sdf-voxel-size");
+}
+
+const OptionRows<TargetOptions>& targetRows() {
+  static const OptionRows<TargetOptions> rows{
+      {{.name = "input",
+        .argument = "MESH|SDF.vdb",
+        .help = "the target: a mesh, or a VDB that holds its signed distance or a volume",
+        .hash = "source-sha256"},
+       parsedBy([](const RecipeReader& reader, const std::string& name, TargetOptions& options) {
+         options.input = reader.file(name);
+       })},
+      {{.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
+       text(&TargetOptions::grid)},
+      {{.name = "sdf-resolution",
+        .argument = "N|auto",
+        .defaultValue = kAutomatic,
+        .help = "voxels of the target's distance field along its longest side; the fractal depends on this. auto: 200, "
+                "or more where thin parts need them",
+        .alternative = "sdf-voxel-size",
+        .idle = idleWithoutMesh},
+       readByRule(above(0), {kAutomatic})},
+      {{.name = "sdf-voxel-size",
+        .argument = "H",
+        .help = "the same given as the size of a voxel, in the target's units",
+        .alternative = "sdf-resolution",
+        .idle = idleWithoutMesh},
+       readByRule(above(0))}};
+  return rows;
 }
 
 }  // namespace
 
 std::vector<OptionSpec> targetOptionSpecs() {
-  std::vector<OptionSpec> options = {
-      {.name = "input",
-       .argument = "MESH|SDF.vdb",
-       .help = "the target: a mesh, or a VDB that holds its signed distance or a volume",
-       .hash = "source-sha256"},
-      {.name = "grid",
-       .argument = "NAME",
-       .defaultValue = "",
-       .help = "which grid of the input VDB to use",
-       .idle = idleWithoutVdb},
-      {.name = "sdf-resolution",
-       .argument = "N|auto",
-       .defaultValue = kAutomatic,
-       .help = "voxels of the target's distance field along its longest side; the fractal depends on this. auto: 200, "
-               "or more where thin parts need them",
-       .alternative = "sdf-voxel-size",
-       .idle = idleWithoutMesh},
-      {.name = "sdf-voxel-size",
-       .argument = "H",
-       .help = "the same given as the size of a voxel, in the target's units",
-       .alternative = "sdf-resolution",
-       .idle = idleWithoutMesh},
-  };
+  std::vector<OptionSpec> options = targetRows().specs();
   for (OptionSpec& option : mendOptionSpecs()) options.push_back(std::move(option));
-  for (OptionSpec& option : animationOptionSpecs()) options.push_back(std::move(option));
+  for (OptionSpec& option : animationRows().specs()) options.push_back(std::move(option));
   return options;
 }
 
-namespace {
-
-std::optional<VoxelChoice> parseSdfVoxels(const RecipeReader& reader) {
-  if (!reader.has("sdf-voxel-size")) {
-    if (reader.text("sdf-resolution") == kAutomatic) return std::nullopt;
-    if (!numberFromText(reader.text("sdf-resolution"))) reader.refuse("sdf-resolution", "a number of voxels, or auto");
-  }
-  return reader.voxels("sdf-resolution", "sdf-voxel-size");
-}
-
-}  // namespace
-
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
-  TargetOptions options{.input = reader.file("input"), .grid = reader.text("grid"), .mend = parseMendOptions(reader)};
-  options.sdfVoxels = parseSdfVoxels(reader);
+  TargetOptions options{.mend = parseMendOptions(reader)};
+  targetRows().read(reader, options);
+  parseSdfVoxels(reader, options);
   options.moment = parseMomentOptions(reader, options.input.path);
   if (options.input.path.empty()) return std::nullopt;
   return options;

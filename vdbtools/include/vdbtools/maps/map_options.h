@@ -47,6 +47,8 @@ OptionSpec shellEscapeOption();
 /// @throw std::invalid_argument  naming the option
 ShellSettings parseShell(const RecipeReader& reader);
 
+/// The values of --frequency and of the frequency of a second texture.
+OptionType frequencyType();
 /// --frequency: how fine a texture is that follows the target's local thickness.
 OptionSpec frequencyOption();
 

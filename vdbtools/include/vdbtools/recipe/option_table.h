@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -59,6 +60,31 @@ IdleRule idleWithoutFlag(std::string flag);
 /// Idle where one of @a rules says so.
 IdleRule idleByAny(std::vector<IdleRule> rules);
 
+/// The values that an option accepts, as far as they can be described; option_rows.h makes one with each option's
+/// reader.
+struct OptionType {
+  enum class Kind {
+    Text,
+    Flag,
+    Number,
+    Whole,
+    Choice,   ///< one of the words
+    List,     ///< some of the words, with commas between them
+    Vector,   ///< three numbers with commas between them
+    Control,  ///< a number, or what gives one at each place (vdbtools/control/control.h)
+  };
+  Kind kind = Kind::Text;
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool excludesLow = false, excludesHigh = false;  ///< whether a number must differ from these bounds
+  std::vector<std::string> words{};  ///< of a choice or a list; of other kinds, words that are accepted besides
+
+  bool holds(double value) const {
+    return (excludesLow ? value > low : value >= low) && (excludesHigh ? value < high : value <= high);
+  }
+  /// The bounds of a number, to stand behind "it must be".
+  std::string bounds() const;
+};
+
 struct OptionSpec {
   std::string name;
   std::string argument{};                     ///< what the help calls the value; empty: a flag
@@ -76,6 +102,7 @@ struct OptionSpec {
   std::vector<std::string> qualifies{};  ///< options that lose their meaning where this one's value changes
 
   std::string hash{};  ///< of an option that names a file: the recipe's entry for the file's SHA-256
+  OptionType type{};
 
   IdleRule idle{};  ///< not set: it has an effect in every run
 

@@ -59,5 +59,7 @@ Value parseChoice(const std::string& option, const std::string& text,
 /// The shortest text that reads back as the same doubles, with commas between them.
 std::string numbersText(std::span<const double> values);
 std::string numbersText(std::initializer_list<double> values);
+/// The same for one number, with its exponent as in help and errors: "5e-5".
+std::string numberText(double value);
 
 }  // namespace vdbtools

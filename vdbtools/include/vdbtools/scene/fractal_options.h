@@ -28,8 +28,8 @@ enum class OutputGrid { Surface, Density, LogModulus, Iterations, Versor };
 
 /// What is made of the field.
 struct OutputOptions {
-  std::vector<OutputGrid> grids;  ///< each once, in the order of the file
-  bool half = false;              ///< 16-bit floats in the VDB
+  std::vector<OutputGrid> grids{OutputGrid::Surface};  ///< each once, in the order of the file
+  bool half = false;                                   ///< 16-bit floats in the VDB
   FileAxes axes;
   std::vector<double> levels{};  ///< of detail in a GLB besides the mesh itself: shares of its triangles, falling
   AttributeOptions attributes;   ///< of the mesh and, by the same names, of the VDB
