@@ -148,9 +148,9 @@ vdbtools::FractalOptions jobOptions(Input input, std::int64_t voxels) {
                                 {"resolution", std::to_string(voxels)},
                                 {"sdf-resolution", std::to_string(kSdfVoxels)},
                                 {"alpha", "40"},
-                                {"versor-roots", "10"},
-                                {"versor-powers", "2:11"},
-                                {"versor-integer", "true"},
+                                {"texture-roots", "10"},
+                                {"texture-powers", "2:11"},
+                                {"texture-integer", "true"},
                                 {"iterations", "3"}};
   return vdbtools::parseFractalOptions(vdbtools::completeRecipe(recipe, vdbtools::fractalOptionTable()));
 }

@@ -19,10 +19,10 @@ vdbtools::Recipe readConfigList(const std::string& text, const std::string& file
     if (option.name.empty())
       throw std::invalid_argument(where + "'" + vdbtools::inOneLine(option.value) +
                                   "' does not read NAME = VALUE; a comment begins with #");
-    const std::string entry = vdbtools::recipeEntry(option.name);
+    const std::string entry = vdbtools::currentName(option.name);
     if (!table.knows(entry))
       throw std::invalid_argument(where + "there is no option '" + vdbtools::inOneLine(option.name) + "' here" +
-                                  vdbtools::didYouMean(option.name, vdbtools::optionNames(table.names())));
+                                  vdbtools::didYouMean(option.name, table.names()));
     if (!recipe.emplace(entry, option.value).second)
       throw std::invalid_argument(where + "'" + option.name + "' is set twice; keep only one of them");
   }

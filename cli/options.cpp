@@ -170,7 +170,7 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       mPositional.add("input", 1);
       mPositionalNames.emplace_back("input");
     } else {
-      mFromRecipe.add_options()(vdbtools::optionName(option.name).c_str(), valueOf(option), option.help.c_str());
+      mFromRecipe.add_options()(option.name.c_str(), valueOf(option), option.help.c_str());
     }
   }
   if (!options.empty())
@@ -227,8 +227,7 @@ void CommandLine::requireEffect(std::set<std::string> names, const std::vector<v
 void CommandLine::requireUse(bool used, std::initializer_list<const char*> names, const std::string& why) const {
   if (used) return;
   for (const char* name : names)
-    if (has(name) && !parsed(name).defaulted())
-      throw std::invalid_argument("--" + vdbtools::optionName(name) + " has no effect: " + why);
+    if (has(name) && !mValues[name].defaulted()) throw std::invalid_argument("--" + name + " has no effect: " + why);
 }
 
 void CommandLine::addPositional(const char* name, int count, const char* help) {
@@ -249,7 +248,7 @@ Arguments CommandLine::renamed(Arguments arguments, const po::options_descriptio
     const auto former = mFormerNames.find(name);
     const std::string known = former != mFormerNames.end() ? former->second
                               : name == kRecipeAlias       ? kConfig
-                                                           : vdbtools::optionName(name);
+                                                           : vdbtools::currentName(name);
     const std::string now = "--" + known + word.substr(end);
     if (optionOf(now, all)) word = now;
   }
@@ -312,12 +311,8 @@ void CommandLine::takePipes() const {
   }
 }
 
-const po::variable_value& CommandLine::parsed(const std::string& name) const {
-  return mValues.count(name) != 0 ? mValues[name] : mValues[vdbtools::optionName(name)];
-}
-
 std::string CommandLine::text(const std::string& name) const {
-  return has(name) ? parsed(name).as<std::string>() : std::string();
+  return has(name) ? mValues[name].as<std::string>() : std::string();
 }
 
 std::vector<std::string> CommandLine::texts(const std::string& name) const {
@@ -427,8 +422,7 @@ std::vector<CommandLine::Group> CommandLine::groups() const {
   };
   for (const auto& option : mOwn.options()) add(kOwn, option);
   const OptionGroups headings(mTable);
-  for (const auto& option : mFromRecipe.options())
-    add(headings.headingOf(vdbtools::recipeEntry(option->long_name())), option);
+  for (const auto& option : mFromRecipe.options()) add(headings.headingOf(option->long_name()), option);
   for (const auto& option : mCommon.options()) add(kCommon, option);
   return groups;
 }
@@ -493,7 +487,7 @@ void CommandLine::printHelp(const std::string& topic) const {
     if (lowerCase(topic) == topicOf(group.heading)) text << group.options;
   if (!text.str().empty()) return writeHelp(text.str());
   const std::string asked = topic.substr(std::min(topic.find_first_not_of('-'), topic.size()));
-  const std::string name = mTable.knows(asked) ? vdbtools::optionName(asked) : asked;
+  const std::string name = vdbtools::currentName(asked);
   for (const Group& group : all)
     for (const auto& option : group.options.options()) {
       topics.push_back(option->long_name());

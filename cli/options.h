@@ -7,7 +7,6 @@
 #include "progress.h"
 
 #include "vdbtools/files/input_files.h"
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/recipe/recipe.h"
 
@@ -61,10 +60,7 @@ class CommandLine {
   bool parse(const Arguments& arguments);
 
   const boost::program_options::variables_map& values() const { return mValues; }
-  /// @param name  of an option, or of the entry of a recipe that it sets (vdbtools/recipe/option_name.h)
-  bool has(const std::string& name) const {
-    return mValues.count(name) != 0 || mValues.count(vdbtools::optionName(name)) != 0;
-  }
+  bool has(const std::string& name) const { return mValues.count(name) != 0; }
   std::string text(const std::string& name) const;
   std::vector<std::string> texts(const std::string& name) const;
 
@@ -120,7 +116,7 @@ class CommandLine {
   };
   std::vector<Group> groups() const;
 
-  /// Options by the names that they have now. The names of recipes are taken, too: --versor-seed is --texture-seed.
+  /// Options by the names that they have now: --versor-seed is --texture-seed.
   Arguments renamed(Arguments arguments, const boost::program_options::options_description& all) const;
   /// Finds words that boost would misread: an option without its value, an option that does not exist.
   void checkWords(const Arguments& arguments, const boost::program_options::options_description& all) const;
@@ -134,8 +130,6 @@ class CommandLine {
   void printHelp(const std::string& topic) const;
   std::string shortHelp(const std::vector<Group>& groups) const;
   void describe(const std::string& how) const;
-  /// The value of an option by either of its names.
-  const boost::program_options::variable_value& parsed(const std::string& name) const;
 
   Usage mUsage;
   vdbtools::OptionTable mTable;

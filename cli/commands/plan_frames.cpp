@@ -9,7 +9,6 @@
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/farm/frame_plan.h"
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <ostream>
@@ -33,8 +32,8 @@ constexpr Usage kPlanFramesUsage = {
     "in.%04d.obj. A glTF that is animated is played: each frame has its number as --target-frame, unless that is given "
     "or has keys. All files must exist; the plan holds their hashes, and a task whose file has changed fails.",
     "  juliavdb plan frames bunny.obj --frames 1-48 -o grow --key alpha@1=20 --key alpha@48=120 --resolution 100\n"
-    "  juliavdb plan frames bunny.obj --frames 1-24 -o turn --key versor-translate@1=0,0,0 \\\n"
-    "      --key versor-translate@24=0.2,0,0 --ease smooth --make vdb,ply --resolution 100\n",
+    "  juliavdb plan frames bunny.obj --frames 1-24 -o turn --key texture-translate@1=0,0,0 \\\n"
+    "      --key texture-translate@24=0.2,0,0 --ease smooth --make vdb,ply --resolution 100\n",
     "fractal"};
 
 }  // namespace
@@ -58,8 +57,7 @@ vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, std:
   std::set<std::string> names = line.typedNames();
   for (const vdbtools::farm::KeyedOption& keyed : options.keys) {
     if (typed.contains(keyed.name))
-      throw std::invalid_argument("--" + vdbtools::optionName(keyed.name) +
-                                  " is given and has keys; give only one of them");
+      throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
     names.insert(keyed.name);
   }
   for (const std::string& name : line.typedNames()) options.given[name] = options.base.at(name);

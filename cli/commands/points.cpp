@@ -140,8 +140,7 @@ FrameJob pointsJob(const CommandLine& line, const std::string& input, const vdbt
     recorded = vdbtools::readRecordedRecipe(input);
   const vdbtools::Recipe asked = line.given(attributeTable());
   if (recorded.command != "fractal" && !asked.empty())
-    throw std::invalid_argument("--" + vdbtools::optionName(asked.begin()->first) +
-                                " is for a fractal with its recipe; points of '" + input +
+    throw std::invalid_argument("--" + asked.begin()->first + " is for a fractal with its recipe; points of '" + input +
                                 "' carry what the mesh has at its points");
   line.requireUse(recorded.command == "fractal", {"search"},
                   "it is for the files of a fractal's recipe, and none is read here; leave it out");

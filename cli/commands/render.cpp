@@ -16,7 +16,6 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/render/look.h"
 #include "vdbtools/render/preview.h"
@@ -128,8 +127,7 @@ void requireFits(const CommandLine& line, bool field) {
     given.erase("colour");
   }
   for (const auto& [name, value] : given)
-    if (name != "input" && name != "grid")
-      throw std::invalid_argument("--" + vdbtools::optionName(name) + " can be used with --field only");
+    if (name != "input" && name != "grid") throw std::invalid_argument("--" + name + " can be used with --field only");
 }
 
 /// A picture to take: a still, or a frame of a sequence.
@@ -175,8 +173,7 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
       vdbtools::farm::parseKeys(line.texts("key"), line.texts("ease"), keyTable(field));
   for (const vdbtools::farm::KeyedOption& keyed : keys)
     if (given.contains(keyed.name))
-      throw std::invalid_argument("--" + vdbtools::optionName(keyed.name) +
-                                  " is given and has keys; give only one of them");
+      throw std::invalid_argument("--" + keyed.name + " is given and has keys; give only one of them");
   std::vector<int> inTime = frames;
   std::sort(inTime.begin(), inTime.end());
   vdbtools::FrameInputs inputs;

@@ -36,10 +36,10 @@ constexpr Usage kSheetUsage = {
     "Finished cells are kept in the folder F.cells. The next run makes only those that are not there, also after an "
     "interruption or for a sheet with more values. Remove the folder when you no longer need it.",
     "  juliavdb sheet bunny.obj -o alpha.png --vary alpha=10,20,40,80\n"
-    "  juliavdb sheet bunny.obj -o seeds.png --vary alpha=20:60:20 --vary versor-seed=1:4:1 --size 160x160\n"
+    "  juliavdb sheet bunny.obj -o seeds.png --vary alpha=20:60:20 --vary texture-seed=1:4:1 --size 160x160\n"
     "  juliavdb sheet bunny.obj -o meshes.png --vary detail=0.1,0.3,0.5 --preview mesh --resolution 80\n"
     "  juliavdb sheet bunny.obj -o looks.png --vary material=clay,bronze,jade --ground --light 60,25\n"
-    "  juliavdb sheet --config seeds.json#3 -o next.png --vary \"versor-translate=0,0,0;0.1,0,0;0.2,0,0\"\n",
+    "  juliavdb sheet --config seeds.json#3 -o next.png --vary \"texture-translate=0,0,0;0.1,0,0;0.2,0,0\"\n",
     "fractal",
     nullptr,
     "up"};

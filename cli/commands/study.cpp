@@ -64,8 +64,8 @@ int runStudy(const Arguments& arguments) {
   if (input == line.recipe().end()) throw std::invalid_argument("no target was given");
   vdbtools::Recipe recipe = sceneRecipe(line, input->second);
   // A study is of random versors, also that of a fractal with a texture.
-  if (const auto versor = recipe.find("versor"); versor != recipe.end() && vdbtools::findTexture(versor->second))
-    recipe = vdbtools::overridden(recipe, {{"versor", "random"}}, vdbtools::fractalOptionTable());
+  if (const auto versor = recipe.find("texture"); versor != recipe.end() && vdbtools::findTexture(versor->second))
+    recipe = vdbtools::overridden(recipe, {{"texture", "random"}}, vdbtools::fractalOptionTable());
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recipe);
   line.requireEffect({{recipe, {vdbtools::Product::Slice}}});
   Outputs outputs(line, vdbtools::inputsOf(options));

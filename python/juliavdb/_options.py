@@ -52,7 +52,7 @@ def recipe(options):
     for name, value in options.items():
         if value is None or value is False:
             continue
-        entry = _juliavdb.recipe_entry(name.replace("_", "-"))
+        entry = _juliavdb.current_name(name.replace("_", "-"))
         if entry in result:
             raise ValueError(f"{name} is given twice, by its two names; give it once")
         result[entry] = _text(name, value)

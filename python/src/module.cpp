@@ -186,7 +186,7 @@ py::tuple boundsOf(const MadeScene& made) {
 py::list listingOf(const vdbtools::OptionTable& table) {
   py::list list;
   for (const vdbtools::OptionListing& option : table.listing())
-    list.append(py::make_tuple(vdbtools::optionName(option.name), option.argument, option.help));
+    list.append(py::make_tuple(option.name, option.argument, option.help));
   return list;
 }
 
@@ -269,7 +269,7 @@ PYBIND11_MODULE(_juliavdb, m) {
   m.attr("DataError") = py::reinterpret_borrow<py::object>(theDataError);
   py::register_exception_translator(translate);
 
-  m.def("recipe_entry", &vdbtools::recipeEntry);
+  m.def("current_name", &vdbtools::currentName);
   m.def("options", [] { return listingOf(vdbtools::fractalOptionTable()); });
   m.def("fit_options", [] { return listingOf(vdbtools::fit::fitOptionTable()); });
   m.def("view_options", [] { return listingOf(viewTable()); });

@@ -4,7 +4,6 @@
 #include "made.h"
 
 #include "vdbtools/fit/fit_job.h"
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
@@ -19,7 +18,7 @@ const std::set<std::string, std::less<>>& namesInPython() {
     std::set<std::string, std::less<>> names{"memory"};
     for (const vdbtools::OptionTable& table :
          {vdbtools::fractalOptionTable(), vdbtools::fit::fitOptionTable(), viewTable()})
-      for (const vdbtools::OptionListing& option : table.listing()) names.insert(vdbtools::optionName(option.name));
+      for (const vdbtools::OptionListing& option : table.listing()) names.insert(option.name);
     return names;
   }();
   return all;

@@ -221,7 +221,7 @@ class InfoOnEveryKind(harness.CliTest):
         self.ok("fractal", "s.vdb", "-o", "f.vdb", "--mesh", "f.ply", "--resolution", 24, "--texture-seed", 9)
         for name in ("f.vdb", "f.ply"):
             recipe = self.info(name)["recipe"]
-            self.assertEqual((recipe["command"], recipe["versor-seed"], recipe["input"]), ("fractal", "9", "s.vdb"))
+            self.assertEqual((recipe["command"], recipe["texture-seed"], recipe["input"]), ("fractal", "9", "s.vdb"))
 
     def test_versors(self):
         for name, content in (("v.json", harness.rational_json(harness.ROOTS)), ("v.p4d", harness.p4d(harness.ROOTS)),

@@ -148,7 +148,7 @@ class Recipes(harness.CliTest):
     def test_the_command_line_goes_first(self):
         self.ok("fractal", "--config", "f.vdb", "--alpha", 60, "--voxel-size", 0.1, "-o", "other.vdb")
         recipe = self.info("other.vdb")["recipe"]
-        self.assertEqual((recipe["alpha"], recipe["voxel-size"], recipe["versor-seed"]), ("60", "0.1", "11"))
+        self.assertEqual((recipe["alpha"], recipe["voxel-size"], recipe["texture-seed"]), ("60", "0.1", "11"))
         self.assertNotIn("resolution", recipe)
 
     def test_another_source_is_refused(self):

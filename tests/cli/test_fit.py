@@ -240,7 +240,7 @@ class Fractals(FitTest):
         del roots["target"]
         self.write("bare.json", json.dumps(roots).encode())
         box = ("--box", "-0.6,-0.6,-0.6,0.6,0.6,0.6")
-        for option, other in (("rational", "versor"), ("versor", "rational")):
+        for option, other in (("rational", "texture"), ("texture", "rational")):
             self.ok("fractal", "--config", "f.vdb", f"--{option}", "bare.json", *box, "-o", f"{option}.vdb")
             recipe = self.info(f"{option}.vdb")["recipe"]
             self.assertEqual(recipe[option], "bare.json")

@@ -187,13 +187,13 @@ class Layers(harness.CliTest):
 
     def test_sequences_sheets_and_pictures(self):
         layers = ("--texture", "woven", "--texture-over", "thorns", "--texture-symmetry", "mirror:x")
-        self.ok("fractal", "t.obj", *LOW, *layers, "--frames", "1-2", "--key", "versor-mix@1=0", "--key",
-                "versor-mix@2=1", "--mesh", "g.####.ply")
+        self.ok("fractal", "t.obj", *LOW, *layers, "--frames", "1-2", "--key", "texture-mix@1=0", "--key",
+                "texture-mix@2=1", "--mesh", "g.####.ply")
         for frame, mix in (("g.0001.ply", 0), ("g.0002.ply", 1)):
             self.assertEqual(harness.read_ply(self.bytes(frame)).points, self.points(*layers, "--texture-mix", mix))
-        self.ok("sheet", "t.obj", *LOW, *layers[:4], "--vary", "versor-mix=0.2,0.8", "--vary", "versor-symmetry=none,3:y",
+        self.ok("sheet", "t.obj", *LOW, *layers[:4], "--vary", "texture-mix=0.2,0.8", "--vary", "texture-symmetry=none,3:y",
                 "--size", "24x24", "-o", "s.png")
-        self.ok("sheet", "t.obj", *LOW, "--vary", "versor=expr:x,y,z;expr:-y,x,z", "--size", "24x24", "-o", "e.png")
+        self.ok("sheet", "t.obj", *LOW, "--vary", "texture=expr:x,y,z;expr:-y,x,z", "--size", "24x24", "-o", "e.png")
         self.ok("render", "--field", "t.obj", *LOW, *layers, "--size", "24x24", "-o", "r.png")
 
     # What gives no direction.

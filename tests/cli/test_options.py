@@ -63,8 +63,8 @@ RUNS = {
     "versor": [("list",), ("new", "-o", "v.json"), ("new", "--texture", "rings", "-o", "v.json"), ("inspect", "swirl.json"),
                ("new", "--placement", "cluster", "-o", "v.json"), ("add", "swirl.json", "swirl.json", "-o", "v.json"),
                ("scale", "swirl.json", 0.5, "-o", "v.json"), ("translate", "swirl.json", "0.1,0,0", "-o", "v.json")],
-    "sheet": [("s.obj", "-o", "f.png", "--vary", "versor-seed=1,2", "--size", "24x24", *LOW),
-              ("s.obj", "-o", "f.png", "--vary", "versor-seed=1,2", "--size", "24x24", "--preview", "mesh", *LOW)],
+    "sheet": [("s.obj", "-o", "f.png", "--vary", "texture-seed=1,2", "--size", "24x24", *LOW),
+              ("s.obj", "-o", "f.png", "--vary", "texture-seed=1,2", "--size", "24x24", "--preview", "mesh", *LOW)],
     "slice": [("s.obj", "-o", "f.png", "--size", 24, *LOW), ("s.vdb", "-o", "f.png", "--field", "grid", "--size", 24),
               ("made.vdb", "-o", "f.png", "--field", "f", "--size", 24),
               ("s.vdb", "-o", "f.####.png", "--field", "grid", "--size", 24, "--frames", "1-2"),
@@ -425,7 +425,7 @@ class Refusals(harness.CliTest):
             self.refused(USAGE, "sheet", "s.obj", *LOW, "--vary", f"{one}={value}", f"--{other}", another, "-o", "x.png",
                          "--size", "20x20", mentions=(f"--{one}", f"--{other}"))
         self.write("roots.json", harness.rational_json(harness.ROOTS))
-        self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "versor@1=roots.json", "--texture-roots", 5, "--frames", "1-2", "-o",
+        self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "texture@1=roots.json", "--texture-roots", 5, "--frames", "1-2", "-o",
                      "f.####.vdb", mentions="--texture-roots")
 
     def test_an_option_has_the_name_of_its_entry_too(self):
@@ -440,7 +440,7 @@ class Refusals(harness.CliTest):
         self.assertEqual(self.bytes("new.vdb"), self.bytes("new-list.vdb"))
         self.assertEqual(self.bytes("new.vdb"), self.bytes("old-list.vdb"))
         self.assertEqual(self.bytes("new.png"), self.bytes("old.png"))
-        self.assertIn(b"julia_versor_seed", self.bytes("new.vdb"))
+        self.assertIn(b"julia_texture_seed", self.bytes("new.vdb"))
         self.refused(USAGE, *run, "--texture-seed", 4, "--versor-seed", 4, "-o", "x.vdb", mentions="--texture-seed")
         self.refused(USAGE, *run, "--textur-seed", 4, "-o", "x.vdb", mentions="did you mean '--texture-seed'?")
         self.write("both.txt", "texture-seed = 4\nversor-seed = 4\n")
@@ -449,10 +449,10 @@ class Refusals(harness.CliTest):
     def test_keys_and_varied_options_act_too(self):
         self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "seed-stride@1=4", "--frames", "1-2", "-o", "f.####.vdb",
                      mentions=("--seed-stride", "--follow"))
-        self.refused(USAGE, "sheet", "s.obj", *LOW, "--vary", "versor-radius=0.1,0.2", "--size", "20x20", "-o", "x.png",
+        self.refused(USAGE, "sheet", "s.obj", *LOW, "--vary", "texture-radius=0.1,0.2", "--size", "20x20", "-o", "x.png",
                      mentions=("--texture-radius", "cluster"))
         # One frame, or one cell, in which an option acts is enough.
-        self.ok("fractal", "s.obj", *LOW, "--key", "versor@1=scales", "--key", "versor@2=random", "--ease", "step",
+        self.ok("fractal", "s.obj", *LOW, "--key", "texture@1=scales", "--key", "texture@2=random", "--ease", "step",
                 "--texture-seed", 3, "--frames", "1-2", "-o", "f.####.vdb")
 
     def test_a_plan_finds_at_once_that_its_folder_cannot_be_made(self):

@@ -26,8 +26,8 @@ class PlanTest(harness.CliTest):
 class Frames(PlanTest):
 
     def test_a_frame_is_what_fractal_makes_of_its_values(self):
-        self.ok("plan", "frames", "s.obj", *LOW, "--frames", "1-4", *KEYS, "--key", "versor-translate@2=0,0,0",
-                "--key", "versor-translate@4=0.5,-1,0", "--ease", "versor-translate=smooth", "--make", "vdb,ply,stl",
+        self.ok("plan", "frames", "s.obj", *LOW, "--frames", "1-4", *KEYS, "--key", "texture-translate@2=0,0,0",
+                "--key", "texture-translate@4=0.5,-1,0", "--ease", "texture-translate=smooth", "--make", "vdb,ply,stl",
                 "-o", "p")
         self.assertEqual(self.listing(), ["p", "p/manifest.json", "s.obj"])
         self.ok("task", "p", "--range", "1-4")
@@ -94,7 +94,7 @@ class Frames(PlanTest):
 
     def test_the_recipe_of_a_file_goes_on(self):
         self.ok("fractal", "s.obj", *LOW, "--alpha", 30, "--texture", "random", "-o", "f.vdb")
-        self.ok("plan", "frames", "--config", "f.vdb", "--frames", 2, "--key", "versor-seed@1=3", "-o", "p")
+        self.ok("plan", "frames", "--config", "f.vdb", "--frames", 2, "--key", "texture-seed@1=3", "-o", "p")
         self.ok("task", "p", "--index", 1)
         self.ok("fractal", "--config", "f.vdb", "--texture-seed", 3, "-o", "x.vdb")
         self.assertSameFile("p/out/s.0002.vdb", "x.vdb")
@@ -120,7 +120,7 @@ class Frames(PlanTest):
             ("plan",),
             ("plan", "films", "-o", "p"),
         ])
-        self.refused(USAGE, *frames, "--frames", "1-3", "--key", "versor-seed@1=1", "--key", "versor-seed@3=2",
+        self.refused(USAGE, *frames, "--frames", "1-3", "--key", "texture-seed@1=1", "--key", "texture-seed@3=2",
                      mentions=("frame 2", "--texture-seed", "1.5"))
         self.path("full").mkdir()
         self.write("full/x", "x")

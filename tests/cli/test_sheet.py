@@ -11,7 +11,7 @@ from harness import BAD_DATA, CANNOT_CREATE, INTERNAL, INTERRUPTED, NO_INPUT, US
 
 LOW = ("--sdf-resolution", 20, "--resolution", 20)
 SMALL = ("--size", "32x32", "--samples", 1)
-VARY = ("--vary", "alpha=20,60", "--vary", "versor-seed=1,2")
+VARY = ("--vary", "alpha=20,60", "--vary", "texture-seed=1,2")
 
 
 class SheetTest(harness.CliTest):
@@ -102,7 +102,7 @@ class Cells(SheetTest):
 
     def test_cells_differ_in_what_is_seen(self):
         """The camera varies as the light does, beside an option of the fractal or alone."""
-        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "light=-48,41;60,20", "--vary", "versor-seed=1,2", "-o", "x.png")
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "light=-48,41;60,20", "--vary", "texture-seed=1,2", "-o", "x.png")
         self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "eye=3,1,2;0,3,1", "-o", "y.png")
         for name, count in (("x", 4), ("y", 2)):
             pictures = self.places(f"{name}.png", count)
@@ -110,7 +110,7 @@ class Cells(SheetTest):
             for number, picture in enumerate(pictures, 1):
                 self.ok("render", "--field", "--config", f"{name}.json#{number}", *SMALL, "-o", "one.png")
                 self.assertEqual(picture, harness.read_png(self.bytes("one.png")), (name, number))
-        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "light=-48,41;60,20", "--vary", "versor-seed=1,2,3", "-o", "x.png")
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "light=-48,41;60,20", "--vary", "texture-seed=1,2,3", "-o", "x.png")
         self.assertIn("4 of 6 cells kept", said)
         said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "background=none,#203040", "-o", "x.png")
         self.assertRegex(said, r"(?m)^warning: cell 1 failed: .*--background is none")
@@ -135,9 +135,9 @@ class Cells(SheetTest):
 
     def test_the_recipe_of_a_fractal_and_of_a_cell_go_on(self):
         self.ok("fractal", "s.obj", *LOW, "--alpha", 20, "--texture-seed", 1, "-o", "f.vdb")
-        self.ok("sheet", "s.obj", *LOW, *SMALL, "--alpha", 20, "--vary", "versor-seed=1,2", "-o", "a.png")
-        self.ok("sheet", "f.vdb", *SMALL, "--vary", "versor-seed=1,2", "-o", "b.png")
-        self.ok("sheet", "--config", "a.json#1", *SMALL, "--vary", "versor-seed=1,2", "-o", "c.png")
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--alpha", 20, "--vary", "texture-seed=1,2", "-o", "a.png")
+        self.ok("sheet", "f.vdb", *SMALL, "--vary", "texture-seed=1,2", "-o", "b.png")
+        self.ok("sheet", "--config", "a.json#1", *SMALL, "--vary", "texture-seed=1,2", "-o", "c.png")
         self.assertEqual(self.bytes("a.png"), self.bytes("b.png"))
         self.assertEqual(self.bytes("a.png"), self.bytes("c.png"))
         self.ok("sheet", "--config", "a.json#1", *SMALL, "--vary", "alpha=20,30", "-o", "d.png")
@@ -146,13 +146,13 @@ class Cells(SheetTest):
     def test_files_as_values(self):
         for name, roots in (("a.json", harness.ROOTS), ("b.json", harness.ROOTS[:2])):
             self.write(name, harness.rational_json(roots))
-        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "versor=a.json,b.json", "-o", "x.png")
+        self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "texture=a.json,b.json", "-o", "x.png")
         cells = json.loads(self.bytes("x.json"))["cells"]
-        self.assertEqual([cell["recipe"]["versor"] for cell in cells], ["a.json", "b.json"])
-        self.assertEqual(len({cell["recipe"]["versor-sha256"] for cell in cells}), 2)
+        self.assertEqual([cell["recipe"]["texture"] for cell in cells], ["a.json", "b.json"])
+        self.assertEqual(len({cell["recipe"]["texture-sha256"] for cell in cells}), 2)
         self.write("b.json", harness.rational_json(harness.ROOTS[1:]))
         self.refused(BAD_DATA, "fractal", "--config", "x.json#2", "-o", "f.vdb", mentions="b.json")
-        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "versor=a.json,b.json", "-o", "x.png")
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "texture=a.json,b.json", "-o", "x.png")
         self.assertIn("1 of 2 cells kept", said)
 
     def test_targets_as_values(self):
@@ -216,7 +216,7 @@ class Meshes(SheetTest):
 
     def test_meshes_have_the_look_of_a_picture(self):
         look = ("--light", "60,30", "--sky", 0.4, "--ground", "--background", "#203040", "--exposure", 0.5, "--material", "bronze")
-        lit = self.cells_are_what_render_shows(2, ("s.obj", *LOW, "--vary", "versor-seed=1,2"), look)
+        lit = self.cells_are_what_render_shows(2, ("s.obj", *LOW, "--vary", "texture-seed=1,2"), look)
         self.ok("sheet", "s.obj", *LOW, *SMALL, "--preview", "mesh", "--texture-seed", 1, "--vary", "material=clay,bronze",
                 *look[:-2], "-o", "x.png")
         varied = self.places("x.png", 2)
@@ -244,7 +244,7 @@ class Meshes(SheetTest):
 
     def test_the_number_of_auto_is_recorded(self):
         self.ok("sheet", "s.obj", "--sdf-resolution", 20, "--resolution", "auto", "--box", "0.9,-0.1,-0.1,1.1,0.1,0.1", *SMALL, "--preview",
-                "mesh", "--vary", "versor=scales", "-o", "x.png")
+                "mesh", "--vary", "texture=scales", "-o", "x.png")
         self.assertRegex(json.loads(self.bytes("x.json"))["cells"][0]["recipe"]["resolution"], r"\A\d+\Z")
 
     def test_same_bytes(self):
@@ -292,7 +292,7 @@ class FinerThanVoxels(SheetTest):
         self.assertEqual(self.places("y.png", 1), pictures[1:])
 
     def test_a_mesh_shows_its_voxels_and_says_nothing(self):
-        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "versor=scales", "--preview", "mesh", "-o", "x.png")
+        said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "texture=scales", "--preview", "mesh", "-o", "x.png")
         self.assertNotIn("warning", said)
         self.assertNotIn("finer", json.loads(self.bytes("x.json"))["cells"][0])
 
@@ -301,7 +301,7 @@ class Layout(SheetTest):
 
     def test_many_columns_are_folded_and_the_cells_stay_in_order(self):
         """Two values by seven: rows of four, three, four and three cells instead of a strip."""
-        vary = ("--vary", "alpha=20,60", "--vary", "versor-seed=1:7:1")
+        vary = ("--vary", "alpha=20,60", "--vary", "texture-seed=1:7:1")
         said = self.ok("sheet", "s.obj", *LOW, *SMALL, *vary, "-o", "x.png")
         self.assertIn("4 x 4 cells", said)
         pictures = self.places("x.png", 14)
@@ -311,7 +311,7 @@ class Layout(SheetTest):
             self.assertEqual(pictures[number - 1], harness.read_png(self.bytes("one.png")), number)
 
     def test_a_page_beyond_memory_is_refused_before_the_work(self):
-        self.refused(INTERNAL, "sheet", "s.obj", *LOW, "--vary", "versor-seed=1:100:1", "--size", "3000x3000", "--memory", "1G",
+        self.refused(INTERNAL, "sheet", "s.obj", *LOW, "--vary", "texture-seed=1:100:1", "--size", "3000x3000", "--memory", "1G",
                      "-o", "x.png", mentions=("a page of", "--size"))
         self.assertEqual(self.listing(), ["s.obj"])
 
@@ -335,7 +335,7 @@ class Resuming(SheetTest):
 
     def test_an_interruption_keeps_what_is_finished(self):
         words = ["sheet", "s.obj", "--sdf-resolution", 20, "--size", "200x200", "--samples", 4, "--vary",
-                 "versor-seed=1:40:1", "-o", "x.png"]
+                 "texture-seed=1:40:1", "-o", "x.png"]
         process = subprocess.Popen([harness.program(), *map(str, words), "--progress", "none"], cwd=self.folder,
                                    env=harness.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, preexec_fn=harness.restore_interrupt)
@@ -354,7 +354,7 @@ class Resuming(SheetTest):
             self.assertRegex(name, r"\A[0-9a-f]{32}\.png\Z")
             harness.read_png(self.bytes("x.cells/" + name))
         first = [*words]
-        first[first.index("versor-seed=1:40:1")] = "versor-seed=1,2"
+        first[first.index("texture-seed=1:40:1")] = "texture-seed=1,2"
         self.assertRegex(self.ok(*first), r"[12] of 2 cells kept")
 
 
@@ -365,10 +365,10 @@ class Refusals(SheetTest):
         cases = [(*base, *words, "-o", "x.png") for words in (
             (), ("--vary", "alpha"), ("--vary", "alpha="), ("--vary", "=3"), ("--vary", "alhpa=1,2"), ("--vary", ""),
             ("--vary", "alpha=1,,2"), ("--vary", "alpha=1:2:0"), ("--vary", "alpha=1:2:-1"), ("--vary", "alpha=1:1000:1"),
-            ("--vary", "alpha=1:21:1", "--vary", "versor-seed=1:20:1"), ("--vary", "alpha=20", "--vary", "alpha=30"),
-            ("--vary", "alpha=20", "--vary", "beta=0", "--vary", "versor-seed=1"), ("--vary", "alpha=20,30", "--alpha", 5),
+            ("--vary", "alpha=1:21:1", "--vary", "texture-seed=1:20:1"), ("--vary", "alpha=20", "--vary", "alpha=30"),
+            ("--vary", "alpha=20", "--vary", "beta=0", "--vary", "texture-seed=1"), ("--vary", "alpha=20,30", "--alpha", 5),
             ("--vary", "input=s.obj"), ("--vary", "alpha=20,30", "--columns", 0),
-            ("--vary", "alpha=20,30", "--vary", "versor-seed=1,2", "--columns", 2),
+            ("--vary", "alpha=20,30", "--vary", "texture-seed=1,2", "--columns", 2),
             ("--vary", "alpha=20,30", "--colour", "pink"), ("--vary", "alpha=20,30", "--background", "none"),
             ("--vary", "alpha=20,30", "--material", "mud"), ("--vary", "material=mud"), ("--vary", "size=20x20,30x30"),
             ("--vary", "material=clay,bone", "--material", "clay"), ("--vary", "preview=mesh,field"), ("--vary", "samples=1,4"),
@@ -377,7 +377,7 @@ class Refusals(SheetTest):
         cases += [(*base, "--vary", "alpha=20,30"), (*base, "--vary", "alpha=20,30", "-o", "x.jpg"),
                   (*base, "--vary", "alpha=20,30", "-o", "x.exr"), (*base, "--vary", "alpha=20,30", "-o", "/dev/null"),
                   ("sheet", "--vary", "alpha=20,30", "-o", "x.png"),
-                  ("sheet", "s.obj", "--vary", "versor-seed=1:400:1", "--columns", 400, "-o", "x.png")]
+                  ("sheet", "s.obj", "--vary", "texture-seed=1:400:1", "--columns", 400, "-o", "x.png")]
         self.all_refused(USAGE, cases)
 
     def test_input_and_output(self):

@@ -37,7 +37,7 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
     Recipe base = {{"map", map->name()}};
     if (map->targetUse() != vdbtools::TargetUse::None) base["input"] = "mine.obj";
     if (map->name() == "rational") base["rational"] = "mine.json";
-    if (map->name() == "shape-modulus") base["versor-over"] = "coral";  // its seed, frequency and share are read then
+    if (map->name() == "shape-modulus") base["texture-over"] = "coral";  // its seed, frequency and share are read then
     const vdbtools::explore::FileAccess access(optionsOf(base));
     EXPECT_NO_THROW(access.require(optionsOf(base)));
     for (const vdbtools::OptionSpec* spec : table.optionsOf(base)) {

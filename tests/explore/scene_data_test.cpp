@@ -134,11 +134,11 @@ TEST_F(SceneDataTest, whatThePageCannotShowIsRefusedAtOnce) {
     recipe.insert(options.begin(), options.end());
     return scene(recipe);
   };
-  for (const Recipe& shown : std::vector<Recipe>{{}, {{"versor", "random"}}})
+  for (const Recipe& shown : std::vector<Recipe>{{}, {{"texture", "random"}}})
     EXPECT_NO_THROW(requireShown(with(shown)));
-  for (const Recipe& other : std::vector<Recipe>{{{"versor-symmetry", "3:y"}},
-                                                 {{"versor-over", "thorns"}, {"versor-mix", "expr:0.2+0.5*hx"}},
-                                                 {{"versor", "expr:y,-x,z+2"}}}) {
+  for (const Recipe& other : std::vector<Recipe>{{{"texture-symmetry", "3:y"}},
+                                                 {{"texture-over", "thorns"}, {"texture-mix", "expr:0.2+0.5*hx"}},
+                                                 {{"texture", "expr:y,-x,z+2"}}}) {
     const Scene made = with(other);
     EXPECT_THROW(requireShown(made), std::invalid_argument) << other.begin()->first;
   }

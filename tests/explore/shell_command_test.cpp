@@ -60,7 +60,7 @@ TEST(ShellCommand, EveryOptionIsInTheCommand) {
                          {"detail", "expr:0.2 + 0.1*x"},
                          {"repair", "true"},
                          {"half", "false"},
-                         {"versor-translate", "-0.1,0,0"},
+                         {"texture-translate", "-0.1,0,0"},
                          {"grid", ""},
                          {"source-sha256", "01234567"}};
   const std::string command =
@@ -83,7 +83,7 @@ TEST(ShellCommand, TheShortestRecipeIsCompletedToTheSame) {
   const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
   const std::vector<Recipe> recipes = {
       {{"input", "a.obj"}},
-      {{"input", "a.obj"}, {"detail", "0.6"}, {"versor", "random"}, {"versor-roots", "4"}},
+      {{"input", "a.obj"}, {"detail", "0.6"}, {"texture", "random"}, {"texture-roots", "4"}},
       {{"input", "a.obj"}, {"alpha", "40"}, {"beta", "0.02"}, {"origin", "centre"}},
       {{"map", "quadratic"}, {"c", "-0.2,0.6,0.2,0.2"}, {"voxel-size", "0.02"}},
       {{"map", "mandelbulb"}, {"power", "8"}},

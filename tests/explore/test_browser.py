@@ -143,9 +143,9 @@ class Browser(browser.BrowserTest):
         for file, content in ((made, self.bytes(made)), (name, recipe)):
             self.run_script("explore.store.change((state) => { state.recipe = { input: state.recipe.input, versor: 'fur' }; })")
             self.drop(file, content)
-            self.wait_until(lambda: self.state()["recipe"].get("versor") == "thorns", f"the recipe of {file}")
+            self.wait_until(lambda: self.state()["recipe"].get("texture") == "thorns", f"the recipe of {file}")
             dropped = self.state()["recipe"]
-            for option in ("versor", "detail", "slice", "colour"):
+            for option in ("texture", "detail", "slice", "colour"):
                 self.assertEqual(dropped.get(option), state["recipe"][option], file)
         self.drop("bad.vdb", b"no recipe at all")
         self.wait_until(lambda: "error" in self.find(".status").get_attribute("class"), "the refusal")
@@ -203,7 +203,7 @@ class Browser(browser.BrowserTest):
         self.open_page()
         self.settle()
         # From some iterations on nothing changes any more at this size.
-        for what, option, least in (("Seeds", "versor-seed", 16), ("Iterations", "iterations", 5)):
+        for what, option, least in (("Seeds", "texture-seed", 16), ("Iterations", "iterations", 5)):
             self.show_sixteen(what)
             looks = self.looks()
             self.assertEqual(len(looks), 16)
@@ -283,7 +283,7 @@ class Browser(browser.BrowserTest):
         self.show_sixteen("Detail")
         first = self.looks()
         pages = [first]
-        for what, option in (("Detail", "detail"), ("Outward", "outward"), ("Seeds", "versor-seed"), ("A little of everything", None)):
+        for what, option in (("Detail", "detail"), ("Outward", "outward"), ("Seeds", "texture-seed"), ("A little of everything", None)):
             self.run_script("""const select = document.querySelector(".choices-vary select");
                 select.value = [...select.options].find((one) => one.text === arguments[0]).value;""", what)
             chosen = pages[-1][5][1]
@@ -296,8 +296,8 @@ class Browser(browser.BrowserTest):
                 changed = {name for name in {*recipe, *chosen} if recipe.get(name) != chosen.get(name)}
                 self.assertTrue(changed)
                 # The seed alone would mean random roots.
-                self.assertLessEqual(changed, {option, "versor"} if option == "versor-seed" else {option} if option
-                                     else {"detail", "outward", "frequency", "versor-scale", "versor-translate", "slice"})
+                self.assertLessEqual(changed, {option, "texture"} if option == "texture-seed" else {option} if option
+                                     else {"detail", "outward", "frequency", "texture-scale", "texture-translate", "slice"})
                 self.assertEqual(recipes.count(recipe), 1)
             if what == "Detail":
                 # Nearer to the chosen one than the looks among which it was.
@@ -509,7 +509,7 @@ class Browser(browser.BrowserTest):
         self.assertTrue(self.run_script("return [...document.querySelectorAll('.tile img')].every((one) => one.naturalWidth > 0)"))
         # Another seed is another scales, not other roots.
         self.button("next seed →").click()
-        self.assertEqual([self.state()["recipe"].get(name) for name in ("versor", "versor-seed")], ["scales", "2"])
+        self.assertEqual([self.state()["recipe"].get(name) for name in ("texture", "texture-seed")], ["scales", "2"])
         # What the texture at hand cannot have does not stay behind.
         self.run_script("explore.store.change((state) => { state.recipe.frequency = 'fine'; })")
         tiles[0].click()
@@ -593,7 +593,7 @@ class Browser(browser.BrowserTest):
         # By the name of the option, in any group.
         for option in self.run_script("return fetch('start').then((one) => one.json()).then((one) => one.options.filter((option) =>"
                                       " option.maps.includes('shape-modulus') && option.group !== 'target').map((option) => option.name))"):
-            if option in ("alpha", "beta", "resolution", "box", "map", "versor"):
+            if option in ("alpha", "beta", "resolution", "box", "map", "texture"):
                 continue  # not with detail, elsewhere on the page, or a shelf
             self.run_script("const field = document.querySelector('.finder input'); field.value = arguments[0]; field.dispatchEvent(new Event('input'))", option)
             self.assertTrue(self.run_script("return [...document.querySelectorAll('.control')].some((one) => one.dataset.name === arguments[0]"

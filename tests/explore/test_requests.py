@@ -122,7 +122,7 @@ class Page(harness.CliTest):
 
     def test_what_the_command_would_say_is_what_the_page_is_told(self):
         page = self.serve("s.obj", *QUICK)
-        for wrong in ({"detail": "2"}, {"versor": "nosuch"}, {"nosuch": "1"}, {"iterations": "x"},
+        for wrong in ({"detail": "2"}, {"texture": "nosuch"}, {"nosuch": "1"}, {"iterations": "x"},
                       {"map": "rational"}, {"slice": "nan"}):
             recipe = page.recipe(**wrong)
             status, answer = page.post("scene", {"recipe": recipe})
@@ -302,7 +302,7 @@ class Page(harness.CliTest):
         for nothing in (99, "1", None, -1):
             self.assertEqual(page.post("made", {**body, "job": nothing})[0], 404)
         # What is finer than the voxels, in the words of the command.
-        finer = page.post("advice", {"recipe": page.recipe(versor="fur"), "resolution": "16"})[1]["finer"]
+        finer = page.post("advice", {"recipe": page.recipe(texture="fur"), "resolution": "16"})[1]["finer"]
         run = self.run_program("fractal", "s.obj", *QUICK[:2], *QUICK[4:], "--texture", "fur", "--resolution", "16", "-o", "x.vdb", "--progress", "none")
         self.assertIn(finer or "wrote", run.stderr.decode() + run.stdout.decode())
 
@@ -338,7 +338,7 @@ class Page(harness.CliTest):
     def test_make_gives_the_bytes_of_the_command_that_the_page_shows(self):
         self.path("out").mkdir()
         page = self.serve("s.obj", "--folder", "out", *QUICK)
-        body = {"recipe": page.recipe(detail="0.45", versor="random", versor_roots="4"), "name": "My look.1",
+        body = {"recipe": page.recipe(detail="0.45", texture="random", texture_roots="4"), "name": "My look.1",
                 "formats": ["vdb", "ply", "obj"], "resolution": 31}
         # Scenes before it leave nothing in it.
         page.post("scene", {"recipe": page.recipe(detail="0.9")})
@@ -359,9 +359,9 @@ class Page(harness.CliTest):
     def test_a_sequence_is_that_of_the_command_that_the_page_shows(self):
         page = self.serve("s.obj", *QUICK)
         keys = [{"frame": frame, "recipe": page.recipe(**options)} for frame, options in
-                ((2, {"detail": "0.2", "versor": "fur", "origin_shift": "0,0,0"}),
-                 (4, {"detail": "0.5", "versor": "fur", "versor_seed": "8", "origin_shift": "0,0.1,0"}),
-                 (5, {"detail": "0.5", "versor": "coral", "versor_seed": "8", "origin_shift": "0,0.1,0"}))]
+                ((2, {"detail": "0.2", "texture": "fur", "origin_shift": "0,0,0"}),
+                 (4, {"detail": "0.5", "texture": "fur", "texture_seed": "8", "origin_shift": "0,0.1,0"}),
+                 (5, {"detail": "0.5", "texture": "coral", "texture_seed": "8", "origin_shift": "0,0.1,0"}))]
         for key in keys:
             status, answer = page.post("sequence", {"keys": keys, "frame": key["frame"]})
             self.assertEqual((status, answer["recipe"]), (200, key["recipe"]))
@@ -370,7 +370,7 @@ class Page(harness.CliTest):
         between = answer["recipe"]
         self.assertEqual((between["detail"], between["origin-shift"]), ("0.35", "0,0.05,0"))
         # What cannot be between stays until the next key.
-        self.assertEqual((between["versor"], between["versor-seed"]), ("fur", "3"))
+        self.assertEqual((between["texture"], between["texture-seed"]), ("fur", "3"))
         words = shlex.split(answer["command"])
         self.assertEqual(words[:3], ["juliavdb", "plan", "frames"])
         self.ok(*words[1:])
@@ -386,7 +386,7 @@ class Page(harness.CliTest):
 
     def test_sequences_that_cannot_be(self):
         page = self.serve("s.obj", *QUICK)
-        a, b = page.recipe(detail="0.2", versor="fur"), page.recipe(detail="0.5", versor="fur")
+        a, b = page.recipe(detail="0.2", texture="fur"), page.recipe(detail="0.5", texture="fur")
         both = [{"frame": 1, "recipe": a}, {"frame": 9, "recipe": b}]
         for body, words in (({"keys": both[:1]}, "2 to 100 keys"), ({"keys": both * 51}, "2 to 100 keys"), ({}, "2 to 100 keys"),
                             ({"keys": [both[0], {"frame": 1, "recipe": b}]}, "two keys"),
@@ -521,7 +521,7 @@ class Page(harness.CliTest):
         words = QUICK[:-2]
         self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--map", "shape-modulus", "-o", "a.vdb", "--mesh", "a.ply")
         self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--mesh", "a.obj")
-        expected = {"input": "s.obj", "detail": "0.35", "sdf-resolution": "32", "resolution": "24", "versor-seed": "3"}
+        expected = {"input": "s.obj", "detail": "0.35", "sdf-resolution": "32", "resolution": "24", "texture-seed": "3"}
         names = ["a.vdb", "a.ply", "a.obj"]
         if "glb" in page.get("start")[1]["formats"]:
             self.ok("fractal", "s.obj", *words, "--detail", "0.35", "--mesh", "a.glb")
@@ -538,7 +538,7 @@ class Page(harness.CliTest):
         self.assertIn("other.obj", answer["note"])
         text = "# a look\ndetail = 0.35\nversor-seed=3 # three\n\nrepair\n".replace("\nrepair", "\nrepair =")
         status, answer = page.post("recipe?name=look.txt", text.encode(), "application/octet-stream")
-        self.assertEqual((status, answer["recipe"]), (200, {"detail": "0.35", "versor-seed": "3", "repair": "true"}))
+        self.assertEqual((status, answer["recipe"]), (200, {"detail": "0.35", "texture-seed": "3", "repair": "true"}))
         # What comes from the page names no file that the command line did not.
         text = "detail = texture:/etc/passwd:0:1\n"
         status, answer = page.post("recipe?name=look.txt", text.encode(), "application/octet-stream")

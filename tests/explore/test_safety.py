@@ -140,7 +140,7 @@ class Safety(harness.CliTest):
         self.write("secret.json", harness.rational_json(harness.ROOTS))
         absolute = str(self.path("secret.ply"))
         cases = [("input", "secret.ply"), ("input", absolute), ("input", "./s.obj"), ("input", "/etc/passwd"),
-                 ("versor", "secret.json"), ("versor", "./secret.json"), ("versor", "/dev/zero.json"),
+                 ("texture", "secret.json"), ("texture", "./secret.json"), ("texture", "/dev/zero.json"),
                  ("detail", "texture:secret.png:0:1"), ("detail", "near:secret.ply:0.1:0:1"),
                  ("detail", "paint:red@secret.ply:0:1"), ("detail", "secret.vdb"), ("detail", "secret.vdb:phi"),
                  ("alpha", "near:/etc/passwd:1:1:2"), ("mask", "texture:/dev/zero:0:1"), ("outward", "x.vdb"),
@@ -157,7 +157,7 @@ class Safety(harness.CliTest):
                 status, answer = self.page.post(path, body)
                 self.assertEqual(status, 403, (path, option, value, answer))
         recipe = {**self.page.recipe(map="rational"), "rational": "secret.json"}
-        recipe.pop("versor-seed")
+        recipe.pop("texture-seed")
         self.assertEqual(self.page.post("scene", {"recipe": recipe})[0], 403)
         for colour in ("iterations:/etc/passwd.png", "depth:secret.png"):
             body = {"recipe": self.page.recipe(), "width": 8, "height": 8, "colour": colour}
@@ -170,10 +170,10 @@ class Safety(harness.CliTest):
         self.write("mine.json", harness.rational_json(harness.ROOTS))
         self.write("brush.ply", harness.ply(harness.moved(harness.cube(), 0.3, (0.5, 0, 0))))
         page = self.serve("s.obj", *QUICK[:4], "--texture", "mine.json", "--detail", "near:brush.ply:0.4:0.2:0.6")
-        for change in ({}, {"versor": "woven"}, {"detail": "0.3"}, {"mask": "near:brush.ply:0.4:0:1"}):
+        for change in ({}, {"texture": "woven"}, {"detail": "0.3"}, {"mask": "near:brush.ply:0.4:0:1"}):
             status, answer = page.post("scene", {"recipe": {**page.recipe(), **change}})
             self.assertEqual(status, 200, answer)
-        self.assertEqual(page.post("scene", {"recipe": {**page.recipe(), "versor": "other.json"}})[0], 403)
+        self.assertEqual(page.post("scene", {"recipe": {**page.recipe(), "texture": "other.json"}})[0], 403)
 
     def test_names_of_files_to_make(self):
         before = self.listing()

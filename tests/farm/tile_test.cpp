@@ -158,7 +158,7 @@ TEST_F(Tiles, CrumbsAcrossBordersAreThoseOfOneRun) {
                                         {.tileNodes = 7 + static_cast<int>(random() % 9)},
                                         {.tileNodes = 16 + static_cast<int>(random() % 9)}};
   };
-  const Recipe dusty = {{"alpha", "8"}, {"versor", "random"}, {"resolution", "40"}, {"crumbs", "drop"}};
+  const Recipe dusty = {{"alpha", "8"}, {"texture", "random"}, {"resolution", "40"}, {"crumbs", "drop"}};
   EXPECT_GT(expectOneRun(shape(dusty), cuts()).crumbs, 20U);
   Recipe box = dusty;
   box["box"] = "-0.4,-0.9,-0.35,1.5,0.6,0.9";
@@ -211,7 +211,7 @@ TEST_F(Tiles, MapsWithoutAShellAreThoseOfOneRun) {
   expectOneRun(completed({{"map", "cross"}, {"scheme", "5"}, {"pair", "A"}, {"c", "0.39,0.2,0"}, {"resolution", "24"}}),
                {{.tiles = 4}, {.tileNodes = 11}});
   expectOneRun(completed({{"map", "quadratic"}, {"c", "-0.2,0.6,0.2,0.2"}, {"resolution", "24"}}), {{.tileNodes = 17}});
-  expectOneRun(shape({{"map", "rational"}, {"versor-roots", "5"}, {"resolution", "24"}}),
+  expectOneRun(shape({{"map", "rational"}, {"texture-roots", "5"}, {"resolution", "24"}}),
                {{.tiles = 3}, {.tileNodes = 19}});
 }
 
@@ -289,7 +289,7 @@ TEST_F(Tiles, APreparedSceneEvaluatesTheSameBits) {
   for (const char* placement : {"surface", "inside"})
     for (const char* resolution : {"23", "29", "31"})
       recipes.push_back(completed(
-          {{"input", mesh}, {"sdf-resolution", resolution}, {"versor", "random"}, {"versor-placement", placement}}));
+          {{"input", mesh}, {"sdf-resolution", resolution}, {"texture", "random"}, {"texture-placement", placement}}));
   for (const Recipe& recipe : recipes) {
     const FractalOptions options = parseFractalOptions(recipe);
     const Scene scene = makeScene(options, mMonitor);
@@ -414,7 +414,7 @@ TEST_F(Tiles, AStreamedTileIsThatOfAHeldField) {
       shape({{"detail", "0.5"}}),
       shape(box),
       shape(capped),
-      shape({{"alpha", "8"}, {"versor", "random"}, {"crumbs", "drop"}}),
+      shape({{"alpha", "8"}, {"texture", "random"}, {"crumbs", "drop"}}),
       completed({{"map", "cross"}, {"scheme", "5"}, {"pair", "A"}, {"c", "0.39,0.2,0"}, {"resolution", "24"}}),
       completed({{"map", "mandelbulb"}, {"resolution", "30"}, {"crumbs", "drop"}})};
   for (std::size_t i = 0; i < recipes.size(); ++i)

@@ -91,7 +91,7 @@ class Phases final : public Monitor {
 
 // Distances are made once for all frames of a mesh, and again where what was kept is broken.
 TEST_F(Variants, FramesShareDistancesAndKeepTheirBytes) {
-  FramePlanOptions options = frames(mBall, {"versor-translate@1=0,0,0", "versor-translate@4=0.2,0,0"}, 1, 4);
+  FramePlanOptions options = frames(mBall, {"texture-translate@1=0,0,0", "texture-translate@4=0.2,0,0"}, 1, 4);
   const Manifest manifest = written(planFrames(options));
   const fs::path folder = mFolder.path() / "plan";
   for (std::uint64_t index = 1; index <= 4; ++index) {
@@ -188,7 +188,7 @@ TEST_F(Variants, WhatNoOtherTaskNeedsIsNotKept) {
 
 // Tasks of one process share what the target gives.
 TEST_F(Variants, OneProcessMakesTheExponentOnce) {
-  written(planFrames(frames(mBall, {"versor-translate@1=0,0,0", "versor-translate@3=0.2,0,0"}, 1, 3)));
+  written(planFrames(frames(mBall, {"texture-translate@1=0,0,0", "texture-translate@3=0.2,0,0"}, 1, 3)));
   TaskRunner runner(mFolder.path() / "plan");
   for (const std::uint64_t index : {1, 2, 3}) {
     Phases phases;
@@ -231,8 +231,8 @@ TEST_F(Variants, TasksHaveCompleteRecipesWithHashes) {
   writeBall("b.0003.obj", 1);
   const std::string pattern = (mFolder.path() / "b.####.obj").string();
   // A varied map has other options in each frame, and files with one content have one hash.
-  for (const auto& [options, input] :
-       {std::pair(frames(pattern, {}, 1, 3), ""), {frames(mBall, {"versor-seed@1=1", "versor-seed@3=3"}, 1, 3), ""}}) {
+  for (const auto& [options, input] : {std::pair(frames(pattern, {}, 1, 3), ""),
+                                       {frames(mBall, {"texture-seed@1=1", "texture-seed@3=3"}, 1, 3), ""}}) {
     const Manifest manifest = planFrames(options);
     ASSERT_EQ(manifest.tasks.size(), 3U);
     for (int frame = 1; frame <= 3; ++frame) {
@@ -271,9 +271,9 @@ TEST_F(Variants, NamesOfFilesBecomeAbsoluteWhereverTheyStand) {
   const auto absolute = [](const std::string& option, const std::string& value) {
     return withAbsoluteNames({{"input", "/b.obj"}, {option, value}}, "/f").at(option);
   };
-  EXPECT_EQ(absolute("versor", "roots.json"), "/f/roots.json");
-  EXPECT_EQ(absolute("versor", "/roots.json"), "/roots.json");
-  EXPECT_EQ(absolute("versor", "random"), "random");
+  EXPECT_EQ(absolute("texture", "roots.json"), "/f/roots.json");
+  EXPECT_EQ(absolute("texture", "/roots.json"), "/roots.json");
+  EXPECT_EQ(absolute("texture", "random"), "random");
   EXPECT_EQ(absolute("alpha", "a/b.vdb:density"), "/f/a/b.vdb:density");
   EXPECT_EQ(absolute("alpha", "texture:t.png:10:30"), "texture:/f/t.png:10:30");
   EXPECT_EQ(absolute("alpha", "40"), "40");
@@ -307,7 +307,7 @@ TEST_F(Variants, FramesAreRefusedAtPlanning) {
     }
   };
   refused(frames("", {"alpha@1=20"}, 1, 3), "frame 1: there is no target, which the map needs");
-  refused(frames(mBall, {"versor-seed@1=1", "versor-seed@3=2"}, 1, 3), "frame 2: --texture-seed is '1.5'");
+  refused(frames(mBall, {"texture-seed@1=1", "texture-seed@3=2"}, 1, 3), "frame 2: --texture-seed is '1.5'");
   refused(frames(mBall, {"resolution@1=10", "resolution@3=-10"}, 1, 3), "frame 2: --resolution");
   refused(frames(mBall, {"alpha@1=forty"}, 1, 3), "frame 1: --alpha is 'forty'");
   refused(frames(mBall, {"power@1=8"}, 1, 3), "frame 1: --power");

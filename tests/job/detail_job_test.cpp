@@ -124,7 +124,7 @@ TEST_F(DetailJob, KeepsItsPromiseOverADenseGrid) {
   std::vector<Recipe> recipes;
   for (const char* detail : {"0.1", "0.5", "0.9"}) {
     recipes.push_back({{"input", lumpy}, {"detail", detail}});
-    recipes.push_back({{"input", lumpy}, {"detail", detail}, {"outward", "0"}, {"versor-integer", "true"}});
+    recipes.push_back({{"input", lumpy}, {"detail", detail}, {"outward", "0"}, {"texture-integer", "true"}});
     recipes.push_back({{"input", writeField("forked.vdb", forked)}, {"detail", detail}});
     if (hasBunny()) recipes.push_back({{"input", bunnyPath().string()}, {"detail", detail}, {"repair", "true"}});
   }
@@ -149,7 +149,7 @@ TEST_F(DetailJob, DetailReachesWhatItsNameSays) {
     for (const char* detail : {"0.5", "0.8"}) {
       double most = 0;
       for (const char* versor : {"coral", "random"})
-        most = std::max(most, reach(scene({{"input", path}, {"detail", detail}, {"versor", versor}}), 0.02));
+        most = std::max(most, reach(scene({{"input", path}, {"detail", detail}, {"texture", versor}}), 0.02));
       EXPECT_GT(most, 0.7) << name << ' ' << detail;
       EXPECT_LE(most, 1) << name << ' ' << detail;
     }
@@ -161,7 +161,7 @@ TEST_F(DetailJob, TheShellOfABallIsAsDeepAsAskedFor) {
   const std::string ball = write("ball.obj", makeSphere(kRadius, 5, Vec3d(20, -5, 1)));
   for (const double detail : {0.2, 0.5}) {
     const Scene made =
-        scene({{"input", ball}, {"detail", std::to_string(detail)}, {"outward", "0.1"}, {"versor-seed", "3"}});
+        scene({{"input", ball}, {"detail", std::to_string(detail)}, {"outward", "0.1"}, {"texture-seed", "3"}});
     const Mesh mesh = fractalMesh(made, mMonitor);
     double deepest = 0, highest = -kRadius;
     for (const Vec3d& point : mesh.points) {
@@ -192,8 +192,8 @@ TEST_F(DetailJob, AThinHandleStaysOnePiece) {
                               {"detail", "0.8"},
                               {"resolution", "250"},
                               {"sdf-resolution", "200"},
-                              {"versor", "random"},
-                              {"versor-seed", seed}});
+                              {"texture", "random"},
+                              {"texture-seed", seed}});
     const SolidMeasure solid = measureSolid(fractalMesh(made, mMonitor));
     ASSERT_FALSE(solid.islands.empty());
     EXPECT_GT(solid.shareOfLargest(1), 0.97) << seed;

@@ -128,7 +128,7 @@ TEST_F(FractalJob, AgreesWithAnIndependentMarchingCubes) {
     const julia::Rational versor = test_fields::randomVersor(static_cast<unsigned>(alpha), 10, 11, true);
     const std::string p4d = write("p.p4d", rationalToP4d(versor.top));
     const Mesh made = mesh({{"input", input},
-                            {"versor", p4d},
+                            {"texture", p4d},
                             {"space", "world"},
                             {"alpha", std::to_string(alpha)},
                             {"beta", "0.01"},
@@ -182,7 +182,7 @@ TEST_F(FractalJob, SizeAndPlaceDoNotMatter) {
   const auto run = [&](const std::string& name, double scale, const Vec3d& by) {
     return mesh({{"input", writeObj(name, test_meshes::transformed(shape, scale, by))},
                  {"alpha", "25"},
-                 {"versor-seed", "4"},
+                 {"texture-seed", "4"},
                  {"voxel-size", std::to_string(0.04 * scale)},
                  {"sdf-voxel-size", std::to_string(0.04 * scale)}});
   };
@@ -225,7 +225,7 @@ TEST_F(FractalJob, AlphaThinsTheShellAndBetaMovesIt) {
 TEST_F(FractalJob, FloatIsNearDouble) {
   const std::string input = writeObj("ball.obj", test_meshes::makeSphere(1, 4));
   const Recipe recipe{
-      {"input", input}, {"alpha", "40"}, {"resolution", "60"}, {"sdf-resolution", "60"}, {"versor-integer", "true"}};
+      {"input", input}, {"alpha", "40"}, {"resolution", "60"}, {"sdf-resolution", "60"}, {"texture-integer", "true"}};
   Recipe asFloat = recipe;
   asFloat["precision"] = "float";
   const Scene scene = this->scene(recipe);
@@ -272,7 +272,7 @@ TEST_F(FractalJob, NothingInfiniteReachesAGrid) {
   }
   const std::string versor = write("r.json", rationalToJson(rational));
   const Scene scene = this->scene({{"map", "rational"},
-                                   {"versor", versor},
+                                   {"texture", versor},
                                    {"voxel-size", "0.05"},
                                    {"box", "-1,-1,-1,1,1,1"},
                                    {"grids", "surface,density,logmodulus,iterations,versor"}});

@@ -104,7 +104,7 @@ TEST_F(PointAttributesTest, ValuesAreThoseOfTheReference) {
   const std::string input =
       write("sdf.vdb", encodeVdb({test_fields::denseGrid(test_fields::lumpy, sdfVoxel, box)}, {}));
   const Attributed fractal = made(scene({{"input", input},
-                                         {"versor", write("p.p4d", rationalToP4d(versor.top))},
+                                         {"texture", write("p.p4d", rationalToP4d(versor.top))},
                                          {"space", "world"},
                                          {"alpha", "20"},
                                          {"beta", "0.01"},

@@ -23,7 +23,7 @@ using namespace vdbtools;
 VariedOption varied(const std::string& text) { return parseVaried(text, fractalOptionTable(), kMostSheetCells); }
 
 SheetOptions seeds(int count) {
-  return {.varied = {varied("versor-seed=1:" + std::to_string(count) + ":1")}, .base = {{"input", "a.obj"}}};
+  return {.varied = {varied("texture-seed=1:" + std::to_string(count) + ":1")}, .base = {{"input", "a.obj"}}};
 }
 
 TEST(SheetPlan, OneOptionFillsRowsWithFewEmptyPlaces) {
@@ -38,7 +38,7 @@ TEST(SheetPlan, OneOptionFillsRowsWithFewEmptyPlaces) {
     EXPECT_GE(sheet.columns, sheet.rows);
     EXPECT_LE(sheet.columns, sheet.rows + 5) << "neither a column nor a ribbon";
     for (std::size_t i = 0; i < sheet.cells.size(); ++i)
-      EXPECT_EQ(sheet.cells[i].varied, (Recipe{{"versor-seed", std::to_string(i + 1)}}));
+      EXPECT_EQ(sheet.cells[i].varied, (Recipe{{"texture-seed", std::to_string(i + 1)}}));
   }
   SheetOptions asked = seeds(7);
   asked.columns = 3;
@@ -48,14 +48,14 @@ TEST(SheetPlan, OneOptionFillsRowsWithFewEmptyPlaces) {
 }
 
 TEST(SheetPlan, TwoOptionsAreRowsAndColumns) {
-  const SheetOptions options{.varied = {varied("alpha=10,20"), varied("versor-seed=1,2,3")}, .base = {{"input", "a"}}};
+  const SheetOptions options{.varied = {varied("alpha=10,20"), varied("texture-seed=1,2,3")}, .base = {{"input", "a"}}};
   const Sheet sheet = planSheet(options);
   EXPECT_EQ(sheet.rows, 2);
   EXPECT_EQ(sheet.columns, 3);
   ASSERT_EQ(sheet.cells.size(), 6U);
   for (std::size_t i = 0; i < 6; ++i)
     EXPECT_EQ(sheet.cells[i].varied,
-              (Recipe{{"alpha", i < 3 ? "10" : "20"}, {"versor-seed", std::to_string(i % 3 + 1)}}));
+              (Recipe{{"alpha", i < 3 ? "10" : "20"}, {"texture-seed", std::to_string(i % 3 + 1)}}));
 }
 
 /// The values "1,2,...".
@@ -69,7 +69,7 @@ TEST(SheetPlan, NoSheetIsAStrip) {
       for (const int second : {1, 2, 4, 5, 10, 25}) {
         SCOPED_TRACE(std::to_string(first) + " x " + std::to_string(second) + " of " + std::to_string(width) + "x" +
                      std::to_string(height));
-        SheetOptions options{.varied = {varied("iterations=" + upTo(first)), varied("versor-seed=" + upTo(second))},
+        SheetOptions options{.varied = {varied("iterations=" + upTo(first)), varied("texture-seed=" + upTo(second))},
                              .base = {{"input", "a.obj"}},
                              .view = {{"size", std::to_string(width) + "x" + std::to_string(height)}}};
         for (const bool both : {true, false}) {
@@ -87,12 +87,12 @@ TEST(SheetPlan, NoSheetIsAStrip) {
 
 TEST(SheetPlan, RefusesWhatIsNoSheet) {
   EXPECT_THROW(planSheet({}), std::invalid_argument);
-  EXPECT_THROW(planSheet({.varied = {varied("alpha=1"), varied("beta=1"), varied("versor-seed=1")}}),
+  EXPECT_THROW(planSheet({.varied = {varied("alpha=1"), varied("beta=1"), varied("texture-seed=1")}}),
                std::invalid_argument);
   EXPECT_THROW(planSheet({.varied = {varied("alpha=1"), varied("alpha=2")}}), std::invalid_argument);
   EXPECT_THROW(planSheet({.varied = {varied("alpha=1,2")}, .given = {{"alpha", "3"}}}), std::invalid_argument);
-  EXPECT_THROW(planSheet({.varied = {varied("alpha=1:21:1"), varied("versor-seed=1:20:1")}}), std::invalid_argument);
-  EXPECT_NO_THROW(planSheet({.varied = {varied("alpha=1:20:1"), varied("versor-seed=1:20:1")}}));
+  EXPECT_THROW(planSheet({.varied = {varied("alpha=1:21:1"), varied("texture-seed=1:20:1")}}), std::invalid_argument);
+  EXPECT_NO_THROW(planSheet({.varied = {varied("alpha=1:20:1"), varied("texture-seed=1:20:1")}}));
   EXPECT_THROW(planSheet({.varied = {varied("alpha=1"), varied("beta=1")}, .columns = 2}), std::invalid_argument);
   EXPECT_THROW(planSheet({.varied = {varied("alpha=1")}, .view = {{"size", "0x0"}}}), std::invalid_argument);
 }
@@ -183,7 +183,7 @@ TEST_F(SheetJob, WhatChangesACellMakesItAgain) {
   other.view["azimuth"] = "10";
   EXPECT_EQ(make(other).kept, 0U);
   other = usual;
-  other.base["versor-seed"] = "2";
+  other.base["texture-seed"] = "2";
   EXPECT_EQ(make(other).kept, 0U);
   EXPECT_EQ(make(usual).kept, 2U);
   std::ostringstream stream;
@@ -283,7 +283,7 @@ TEST_F(SheetJob, AnInterruptionKeepsWhatIsFinished) {
    private:
     std::atomic<bool> mCancelled{false};
   } impatient;
-  const SheetOptions what = options({"alpha=20,30", "versor-seed=1,2"});
+  const SheetOptions what = options({"alpha=20,30", "texture-seed=1,2"});
   EXPECT_THROW(makeSheet(what, mFolder.path() / "cells", impatient), Interrupted);
   EXPECT_EQ(finished().size(), 2U);
   const SheetPage page = make(what);

@@ -154,8 +154,8 @@ TEST_F(TextureJob, EachMakesAClosedMeshOfABall) {
   const std::string input = write("ball.obj", test_meshes::makeSphere(2, 4, {1, 2, 3}));
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
-    const Recipe recipe{{"input", input},     {"versor", texture.name}, {"alpha", "20"},
-                        {"resolution", "24"}, {"sdf-resolution", "24"}, {"origin", "0.05,0.02,0"}};
+    const Recipe recipe{{"input", input},     {"texture", texture.name}, {"alpha", "20"},
+                        {"resolution", "24"}, {"sdf-resolution", "24"},  {"origin", "0.05,0.02,0"}};
     const Mesh mesh = fractalMesh(scene(recipe), mMonitor);
     EXPECT_GT(mesh.triangles.size(), 500U);
     EXPECT_EQ(mesh_laws::notClosedManifold(mesh), "");
@@ -167,7 +167,7 @@ TEST_F(TextureJob, TheTargetsPlaceDoesNotMatter) {
   const std::string there = write("b.obj", test_meshes::makeSphere(2, 4, {64, -32, 8}));
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
-    Recipe recipe{{"input", here}, {"versor", texture.name}, {"sdf-resolution", "24"}};
+    Recipe recipe{{"input", here}, {"texture", texture.name}, {"sdf-resolution", "24"}};
     const Scene one = scene(recipe);
     recipe["input"] = there;
     const Scene two = scene(recipe);
@@ -182,32 +182,32 @@ TEST_F(TextureJob, TheTargetsPlaceDoesNotMatter) {
   }
 }
 
-std::string versorOf(const Recipe& recipe) { return completeRecipe(recipe, fractalOptionTable()).at("versor"); }
+std::string versorOf(const Recipe& recipe) { return completeRecipe(recipe, fractalOptionTable()).at("texture"); }
 
 TEST(TextureOptions, whoSpeaksOfRandomRootsGetsThem) {
   EXPECT_EQ(versorOf({{"input", "a.obj"}}), defaultTexture().name);
-  EXPECT_EQ(versorOf({{"input", "a.obj"}, {"versor", "coral"}, {"versor-seed", "4"}}), "coral");
-  EXPECT_EQ(versorOf({{"input", "a.obj"}, {"versor-scale", "2"}}), defaultTexture().name);
-  for (const char* option : {"versor-seed", "versor-roots", "versor-powers", "versor-integer", "versor-placement",
-                             "versor-distance", "versor-centre", "versor-radius"})
+  EXPECT_EQ(versorOf({{"input", "a.obj"}, {"texture", "coral"}, {"texture-seed", "4"}}), "coral");
+  EXPECT_EQ(versorOf({{"input", "a.obj"}, {"texture-scale", "2"}}), defaultTexture().name);
+  for (const char* option : {"texture-seed", "texture-roots", "texture-powers", "texture-integer", "texture-placement",
+                             "texture-distance", "texture-centre", "texture-radius"})
     EXPECT_EQ(versorOf({{"input", "a.obj"}, {option, "3"}}), "random") << option;
   EXPECT_EQ(versorOf({{"map", "rational"}, {"input", "a.obj"}}), "random");
 }
 
 TEST(TextureOptions, recordedRecipesOfTexturesHaveNoRandomRoots) {
   const Recipe texture = completeRecipe({{"input", "a.obj"}}, fractalOptionTable());
-  EXPECT_FALSE(texture.contains("versor-roots"));
-  EXPECT_TRUE(texture.contains("versor-seed"));
+  EXPECT_FALSE(texture.contains("texture-roots"));
+  EXPECT_TRUE(texture.contains("texture-seed"));
   EXPECT_NO_THROW(parseFractalOptions(texture));
-  const Recipe random = completeRecipe({{"input", "a.obj"}, {"versor", "random"}}, fractalOptionTable());
-  EXPECT_EQ(random.at("versor-roots"), "10");
-  EXPECT_EQ(random.at("versor-powers"), "2:11");
+  const Recipe random = completeRecipe({{"input", "a.obj"}, {"texture", "random"}}, fractalOptionTable());
+  EXPECT_EQ(random.at("texture-roots"), "10");
+  EXPECT_EQ(random.at("texture-powers"), "2:11");
 
   // One displaces the other where a recorded recipe is taken up again.
   const OptionTable table = fractalOptionTable();
-  EXPECT_EQ(versorOf(overridden(texture, {{"versor-roots", "5"}}, table)), "random");
-  const Recipe back = completeRecipe(overridden(random, {{"versor", "scales"}}, table), table);
-  EXPECT_FALSE(back.contains("versor-roots"));
+  EXPECT_EQ(versorOf(overridden(texture, {{"texture-roots", "5"}}, table)), "random");
+  const Recipe back = completeRecipe(overridden(random, {{"texture", "scales"}}, table), table);
+  EXPECT_FALSE(back.contains("texture-roots"));
   EXPECT_NO_THROW(parseFractalOptions(back));
 }
 
@@ -221,20 +221,20 @@ std::string refusal(const Recipe& recipe) {
 }
 
 TEST(TextureOptions, badOnesAreRefused) {
-  const std::string unknown = refusal({{"input", "a.obj"}, {"versor", "feather"}});
+  const std::string unknown = refusal({{"input", "a.obj"}, {"texture", "feather"}});
   EXPECT_NE(unknown.find("feather"), std::string::npos) << unknown;
   for (const Texture& texture : textureShelf()) EXPECT_NE(unknown.find(texture.name), std::string::npos) << unknown;
-  const std::string both = refusal({{"input", "a.obj"}, {"versor", "scales"}, {"versor-powers", "2:3"}});
+  const std::string both = refusal({{"input", "a.obj"}, {"texture", "scales"}, {"texture-powers", "2:3"}});
   EXPECT_NE(both.find("--texture-powers"), std::string::npos) << both;
   EXPECT_NE(both.find("scales"), std::string::npos) << both;
-  EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "scales"}, {"versor-seed", "2"}}), "");
-  EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "scales.json"}}), "");
-  EXPECT_NE(refusal({{"input", "a.obj"}, {"map", "rational"}, {"versor", "scales"}}).find("thickness"),
+  EXPECT_EQ(refusal({{"input", "a.obj"}, {"texture", "scales"}, {"texture-seed", "2"}}), "");
+  EXPECT_EQ(refusal({{"input", "a.obj"}, {"texture", "scales.json"}}), "");
+  EXPECT_NE(refusal({{"input", "a.obj"}, {"map", "rational"}, {"texture", "scales"}}).find("thickness"),
             std::string::npos);
   // A recorded recipe has a frequency that means nothing to the roots that displace its texture.
-  EXPECT_EQ(refusal({{"input", "a.obj"}, {"versor", "rings"}, {"frequency", "2"}}), "");
+  EXPECT_EQ(refusal({{"input", "a.obj"}, {"texture", "rings"}, {"frequency", "2"}}), "");
   const OptionTable table = fractalOptionTable();
-  EXPECT_NE(table.idle("frequency", {.recipe = completeRecipe({{"input", "a.obj"}, {"versor", "rings"}}, table)}), "");
+  EXPECT_NE(table.idle("frequency", {.recipe = completeRecipe({{"input", "a.obj"}, {"texture", "rings"}}, table)}), "");
   EXPECT_EQ(table.idle("frequency", {.recipe = completeRecipe({{"input", "a.obj"}}, table)}), "");
   for (const char* frequency : {"0", "-1", "inf", "nan", "middling"})
     EXPECT_NE(refusal({{"input", "a.obj"}, {"frequency", frequency}}).find(frequency), std::string::npos);

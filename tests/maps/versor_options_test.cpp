@@ -38,36 +38,39 @@ using Names = std::vector<std::string>;
 
 TEST(VersorOptions, readTheControlsThatTheyNeed) {
   EXPECT_EQ(controlNames({}), Names());
-  EXPECT_EQ(controlNames({{"versor", "expr:x,y,z*w+hx"}}), Names());
-  EXPECT_EQ(controlNames({{"versor", "expr:phi,nx,x"}, {"versor-over", "expr:red,phi,0"}, {"versor-mix", "paint:red"}}),
-            (Names{"at-nx", "at-phi", "at-red", "mix"}));
-  EXPECT_EQ(controlNames({{"versor-over", "rings"}}), Names{"mix"});
-  EXPECT_EQ(controlNames({{"versor", "rings"}, {"versor-over", "scales"}}), (Names{"mix", "over-octave"}));
+  EXPECT_EQ(controlNames({{"texture", "expr:x,y,z*w+hx"}}), Names());
+  EXPECT_EQ(
+      controlNames({{"texture", "expr:phi,nx,x"}, {"texture-over", "expr:red,phi,0"}, {"texture-mix", "paint:red"}}),
+      (Names{"at-nx", "at-phi", "at-red", "mix"}));
+  EXPECT_EQ(controlNames({{"texture-over", "rings"}}), Names{"mix"});
+  EXPECT_EQ(controlNames({{"texture", "rings"}, {"texture-over", "scales"}}), (Names{"mix", "over-octave"}));
 }
 
 TEST(VersorOptions, recordWhatMeansSomethingAlone) {
   const Recipe plain = recipeOf({});
-  EXPECT_EQ(plain.at("versor-over"), "none");
-  EXPECT_EQ(plain.at("versor-symmetry"), "none");
-  for (const char* name : {"versor-mix", "versor-over-seed", "versor-over-frequency"})
+  EXPECT_EQ(plain.at("texture-over"), "none");
+  EXPECT_EQ(plain.at("texture-symmetry"), "none");
+  for (const char* name : {"texture-mix", "texture-over-seed", "texture-over-frequency"})
     EXPECT_FALSE(plain.contains(name));
-  const Recipe layers = recipeOf({{"versor-over", "thorns"}});
-  EXPECT_EQ(layers.at("versor-mix"), "0.5");
-  EXPECT_EQ(layers.at("versor-over-frequency"), "medium");
-  const Recipe formula = recipeOf({{"versor", "expr:x,y,z"}});
-  for (const char* name : {"frequency", "versor-roots", "versor-powers"}) EXPECT_FALSE(formula.contains(name)) << name;
+  const Recipe layers = recipeOf({{"texture-over", "thorns"}});
+  EXPECT_EQ(layers.at("texture-mix"), "0.5");
+  EXPECT_EQ(layers.at("texture-over-frequency"), "medium");
+  const Recipe formula = recipeOf({{"texture", "expr:x,y,z"}});
+  for (const char* name : {"frequency", "texture-roots", "texture-powers"})
+    EXPECT_FALSE(formula.contains(name)) << name;
 }
 
 TEST(VersorOptions, nameTheirFiles) {
-  Recipe options = recipeOf({{"versor", "field:v.vdb:v"}, {"versor-over", "over.json"}, {"versor-mix", "m.vdb:mix"}});
+  Recipe options =
+      recipeOf({{"texture", "field:v.vdb:v"}, {"texture-over", "over.json"}, {"texture-mix", "m.vdb:mix"}});
   std::vector<std::string> files;
   for (const NamedFile& file : parseFractalOptions(options).map->files())
     files.push_back(file.path.string() + " " + file.recordedAs);
-  EXPECT_EQ(files, (Names{"v.vdb versor-sha256", "over.json versor-over-sha256", "m.vdb versor-mix-sha256"}));
+  EXPECT_EQ(files, (Names{"v.vdb texture-sha256", "over.json texture-over-sha256", "m.vdb texture-mix-sha256"}));
 }
 
 TEST(VersorOptions, knowAProgramsFunctionOnlyWhereThereIsOne) {
-  const Recipe options = recipeOf({{"versor", "function"}});
+  const Recipe options = recipeOf({{"texture", "function"}});
   EXPECT_THROW(parseFractalOptions(options), std::invalid_argument);
   const MapRegistry maps =
       builtInMaps([](std::span<const Vec3d> points) { return std::vector<double>(3 * points.size(), 1); });

@@ -90,7 +90,7 @@ TEST(ContactSheet, NoTextLeavesItsCell) {
   after.setMessage(1, longText + longText + longText);
   after.setCaption(
       1, 2,
-      std::vector<std::string>{"versor-translate 0,0,0,0,0,0,0,0",
+      std::vector<std::string>{"texture-translate 0,0,0,0,0,0,0,0",
                                "\u00e4\u00f6\u00fc \u00e4\u00f6\u00fc\u00e4\u00f6\u00fc\u00e4\u00f6\u00fc"});
   const Image empty = page(before, 2, 3), written = page(after, 2, 3);
   int left = empty.width, right = 0, top = empty.height, bottom = 0;

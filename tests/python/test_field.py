@@ -327,7 +327,7 @@ class Parts(FieldTest):
     def test_the_versor_of_roots_by_hand(self):
         roots = [((0.1, 0.2, -0.3, 0), 2), ((-0.4, 0.1, 0.2, 0.1), 3), ((0.2, -0.5, 0.1, 0), 1)]
         self.write("v.json", harness.rational_json([(*root, power) for root, power in roots]))
-        field = juliavdb.Field(self.torus, versor=str(self.path("v.json")), precision="double", **SMALL)
+        field = juliavdb.Field(self.torus, texture=str(self.path("v.json")), precision="double", **SMALL)
         points = self.points(field, 500)
         origin, scale = np.array(field.space[0]), field.space[1]
         q = np.concatenate([(points - origin) / scale, np.zeros((500, 1))], axis=1)

@@ -49,7 +49,7 @@ class NothingIsLost(ModuleTest):
 
     def test_what_was_read_is_not_replaced(self):
         self.write("v.json", harness.rational_json(harness.ROOTS))
-        made = juliavdb.fractal(self.torus, versor=str(self.path("v.json")), **SMALL)
+        made = juliavdb.fractal(self.torus, texture=str(self.path("v.json")), **SMALL)
         fitted = juliavdb.fit(self.torus, resolution=24, triangles=400, roots=8)
         for victim, suffix in (("torus.obj", ".obj"), ("v.json", ".ply")):
             before = self.bytes(victim)
@@ -79,7 +79,7 @@ class LikeTheCommand(ModuleTest):
 
     def test_files_have_the_bytes_of_the_commands(self):
         cases = [
-            (dict(detail=0.4, versor="quills"), ("--detail", "0.4", "--texture", "quills")),
+            (dict(detail=0.4, texture="quills"), ("--detail", "0.4", "--texture", "quills")),
             (dict(alpha=40, beta=0.02, origin_shift=(0.1, 0, 0)), ("--alpha", 40, "--beta", "0.02", "--origin-shift", "0.1,0,0")),
             (dict(min_size=np.int64(1), half=True, cap=False), ("--min-size", 1, "--half")),
             (dict(grids="surface,versor"), ("--grids", "surface,versor")),
@@ -202,7 +202,7 @@ class LikeTheCommand(ModuleTest):
         gone = str(self.path("gone.obj"))
         cases = [
             (ValueError, self.torus, dict(detail=7), ("--detail", 7)),
-            (ValueError, self.torus, dict(versor="fethers"), ("--texture", "fethers")),
+            (ValueError, self.torus, dict(texture="fethers"), ("--texture", "fethers")),
             (ValueError, self.torus, dict(resolution=10, voxel_size=0.1), ("--resolution", 10, "--voxel-size", 0.1)),
             (ValueError, self.torus, dict(map="mandel"), ("--map", "mandel")),
             (ValueError, None, dict(), ()),
@@ -446,17 +446,17 @@ class Versors(ModuleTest):
             asked.append((points.shape[1:], points.dtype))
             return self.swirl(points)
 
-        for options in ({}, {"versor_over": "rings"}, {"versor_symmetry": "mirror:x"}):
+        for options in ({}, {"texture_over": "rings"}, {"texture_symmetry": "mirror:x"}):
             with self.subTest(options=options):
-                own = juliavdb.fractal(self.torus, versor=function, **options, **self.OPTIONS)
-                formula = juliavdb.fractal(self.torus, versor="expr:0.3+y, z-0.1, x+0.2", **options, **self.OPTIONS)
+                own = juliavdb.fractal(self.torus, texture=function, **options, **self.OPTIONS)
+                formula = juliavdb.fractal(self.torus, texture="expr:0.3+y, z-0.1, x+0.2", **options, **self.OPTIONS)
                 self.assertTrue(np.array_equal(own.vertices, formula.vertices))
         self.assertEqual(set(asked), {((3,), np.dtype("float64"))})
-        four = juliavdb.fractal(self.torus, versor=lambda p: np.column_stack([self.swirl(p), p[:, 0]]), **self.OPTIONS)
-        formula = juliavdb.fractal(self.torus, versor="expr:0.3+y, z-0.1, x+0.2, x", **self.OPTIONS)
+        four = juliavdb.fractal(self.torus, texture=lambda p: np.column_stack([self.swirl(p), p[:, 0]]), **self.OPTIONS)
+        formula = juliavdb.fractal(self.torus, texture="expr:0.3+y, z-0.1, x+0.2, x", **self.OPTIONS)
         self.assertTrue(np.array_equal(four.vertices, formula.vertices))
-        over = juliavdb.fractal(self.torus, versor="rings", versor_over=self.swirl, versor_mix=1, **self.OPTIONS)
-        under = juliavdb.fractal(self.torus, versor=self.swirl, **self.OPTIONS)
+        over = juliavdb.fractal(self.torus, texture="rings", texture_over=self.swirl, texture_mix=1, **self.OPTIONS)
+        under = juliavdb.fractal(self.torus, texture=self.swirl, **self.OPTIONS)
         self.assertTrue(np.array_equal(over.vertices, under.vertices))
 
     def test_points_are_those_of_the_target(self):
@@ -470,12 +470,12 @@ class Versors(ModuleTest):
                 low, high = np.minimum(low, near.min(axis=0)), np.maximum(high, near.max(axis=0))
             return self.swirl(points)
 
-        made = juliavdb.fractal(large, np.array(self.mesh[1]), versor=function, **SMALL)
+        made = juliavdb.fractal(large, np.array(self.mesh[1]), texture=function, **SMALL)
         self.assertTrue((low < made.vertices.min(axis=0) + 100).all() and (high > made.vertices.max(axis=0) - 100).all())
 
     def test_fields_and_pictures_ask_it_too(self):
-        field = juliavdb.Field(self.torus, versor=self.swirl, **self.OPTIONS)
-        same = juliavdb.Field(self.torus, versor="expr:0.3+y, z-0.1, x+0.2", **self.OPTIONS)
+        field = juliavdb.Field(self.torus, texture=self.swirl, **self.OPTIONS)
+        same = juliavdb.Field(self.torus, texture="expr:0.3+y, z-0.1, x+0.2", **self.OPTIONS)
         points = np.random.default_rng(1).uniform(*field.bounds, (2000, 3))
         self.assertTrue(np.array_equal(field(points), same(points)))
         alone = np.array([field(point[None])[0] for point in points[:20]])
@@ -491,12 +491,12 @@ class Versors(ModuleTest):
 
         for _ in range(3):
             with self.assertRaisesRegex(Mine, "of my own"):
-                juliavdb.fractal(self.torus, versor=raising, **SMALL)
-        field = juliavdb.Field(self.torus, versor=self.swirl, **SMALL)
+                juliavdb.fractal(self.torus, texture=raising, **SMALL)
+        field = juliavdb.Field(self.torus, texture=self.swirl, **SMALL)
         del field
         gc.collect()
         with self.assertRaises(KeyboardInterrupt):
-            juliavdb.fractal(self.torus, versor=self.swirl, progress=lambda phase, share: False, **SMALL)
+            juliavdb.fractal(self.torus, texture=self.swirl, progress=lambda phase, share: False, **SMALL)
 
     def test_what_is_no_direction(self):
         nan = float("nan")
@@ -510,22 +510,22 @@ class Versors(ModuleTest):
                                       ("infinite", lambda p: p / 0.0, ("inf", "nan"))):
             with self.subTest(name=name), np.errstate(all="ignore"):
                 with self.assertRaises(ValueError) as raised:
-                    juliavdb.fractal(self.torus, versor=function, **SMALL)
+                    juliavdb.fractal(self.torus, texture=function, **SMALL)
                 self.assertTrue(any(word in str(raised.exception) for word in words), raised.exception)
         with self.assertRaisesRegex(ValueError, "both functions"):
-            juliavdb.fractal(self.torus, versor=self.swirl, versor_over=self.swirl, **SMALL)
+            juliavdb.fractal(self.torus, texture=self.swirl, texture_over=self.swirl, **SMALL)
         # Of length 0 is the versor 1.
-        zero = juliavdb.fractal(self.torus, versor=lambda p: 0 * p, **SMALL)
-        one = juliavdb.fractal(self.torus, versor="expr:1,0,0,0", **SMALL)
+        zero = juliavdb.fractal(self.torus, texture=lambda p: 0 * p, **SMALL)
+        one = juliavdb.fractal(self.torus, texture="expr:1,0,0,0", **SMALL)
         self.assertTrue(np.array_equal(zero.vertices, one.vertices))
 
     def test_a_recipe_cannot_hold_a_function(self):
-        made = juliavdb.fractal(self.torus, versor=self.swirl, **SMALL)
+        made = juliavdb.fractal(self.torus, texture=self.swirl, **SMALL)
         made.write(self.path("own.vdb"))
-        self.assertEqual(made.info["recipe"]["versor"], "function")
+        self.assertEqual(made.info["recipe"]["texture"], "function")
         self.refused(harness.BAD_DATA, "fractal", "--config", "own.vdb", "-o", "x.vdb", mentions="Python")
         with self.assertRaisesRegex(ValueError, "function of a Python program"):
-            juliavdb.fractal(self.torus, versor="function", **SMALL)
+            juliavdb.fractal(self.torus, texture="function", **SMALL)
 
     def test_symmetry_leaves_the_set_as_it_is(self):
         """Over a cube about 0, whose distances have the symmetry too."""
@@ -538,8 +538,8 @@ class Versors(ModuleTest):
             for versor in ("woven", "coral", "rings", "expr:sin(9*x),y+0.1,cos(8*z)"):
                 with self.subTest(symmetry=symmetry, versor=versor):
                     options = {"precision": "double", "detail": 0.5, **SMALL}
-                    field = juliavdb.Field(str(self.path("cube.obj")), versor=versor, versor_symmetry=symmetry, **options)
-                    plain = juliavdb.Field(str(self.path("cube.obj")), versor=versor, **options)
+                    field = juliavdb.Field(str(self.path("cube.obj")), texture=versor, texture_symmetry=symmetry, **options)
+                    plain = juliavdb.Field(str(self.path("cube.obj")), texture=versor, **options)
                     for image in images:
                         same = (field.inside(points) == field.inside(points @ image.T)).mean()
                         self.assertGreater(same, 0.999)

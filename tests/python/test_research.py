@@ -48,7 +48,7 @@ class Copies(ResearchTest):
 
     def test_a_pickled_field_has_the_same_numbers(self):
         arrays = np.array(self.mesh[0]), np.array(self.mesh[1])
-        for given, options in (((self.torus,), {"detail": 0.4}), (arrays, {"alpha": 30, "texture": "rings"}), ((self.torus,), {"versor": swirl}),
+        for given, options in (((self.torus,), {"detail": 0.4}), (arrays, {"alpha": 30, "texture": "rings"}), ((self.torus,), {"texture": swirl}),
                                ((), {"map": "quadratic", "c": (-0.2, 0.6, 0.2, 0.2)})):
             with self.subTest(options=options):
                 field = juliavdb.Field(*given, **options, **({} if "map" in options else SMALL))
@@ -59,7 +59,7 @@ class Copies(ResearchTest):
                 self.assertEqual(juliavdb.Field(**{name.replace("-", "_"): value for name, value in field.recipe.items()
                                                    if name not in ("input",)}, vertices=given[0] if given else None,
                                                 faces=given[1] if len(given) > 1 else None).recipe
-                                 if "versor" not in options else field.recipe, field.recipe)
+                                 if "texture" not in options else field.recipe, field.recipe)
                 for same in (copy.copy(field), copy.deepcopy(field)):
                     self.assertTrue(np.array_equal(same(points), field(points)))
 

@@ -16,7 +16,7 @@ namespace {
 
 using namespace vdbtools;
 
-const Recipe kRecipe{{"resolution", "30"}, {"sdf-resolution", "40"}, {"detail", "0.4"}, {"versor", "shells"}};
+const Recipe kRecipe{{"resolution", "30"}, {"sdf-resolution", "40"}, {"detail", "0.4"}, {"texture", "shells"}};
 
 FractalOptions optionsFor(const Mesh& mesh) {
   Recipe recipe = kRecipe;

@@ -147,11 +147,11 @@ class RandomRecipes {
     maybe(recipe, 0.3, "escape", {"3", "20"});
     maybe(recipe, 0.2, "sampling", {"quadratic"});
     if (chance(0.4)) {
-      recipe["versor"] = "random";
-      recipe["versor-seed"] = oneOf<std::string>({"1", "2"});
-      maybe(recipe, 0.5, "versor-placement", {"inside", "surface"});
+      recipe["texture"] = "random";
+      recipe["texture-seed"] = oneOf<std::string>({"1", "2"});
+      maybe(recipe, 0.5, "texture-placement", {"inside", "surface"});
     } else {
-      maybe(recipe, 0.5, "versor", {"scales", "quills"});
+      maybe(recipe, 0.5, "texture", {"scales", "quills"});
     }
   }
 
@@ -163,9 +163,9 @@ class RandomRecipes {
       return;
     }
     recipe["map"] = "rational";
-    recipe["versor"] = "random";
-    recipe["versor-powers"] = "1:3";
-    maybe(recipe, 0.7, "versor-placement", {"inside", "surface"});
+    recipe["texture"] = "random";
+    recipe["texture-powers"] = "1:3";
+    maybe(recipe, 0.7, "texture-placement", {"inside", "surface"});
   }
 
   std::mt19937 mRandom;

@@ -79,9 +79,9 @@ TEST_F(VoxelAdviceTest, TheWidthOfAKnownTextureIsFound) {
 TEST_F(VoxelAdviceTest, TwiceTheFrequencyIsHalfTheWidth) {
   const std::string path = plate(0.2);
   for (const char* versor : {"scales", "coral", "quills"}) {
-    const Scene coarse = scene({{"input", path}, {"versor", versor}, {"frequency", "1"}});
-    const Scene fine = scene({{"input", path}, {"versor", versor}, {"frequency", "2"}});
-    const Scene scaled = scene({{"input", path}, {"versor", versor}, {"frequency", "1"}, {"versor-scale", "2"}});
+    const Scene coarse = scene({{"input", path}, {"texture", versor}, {"frequency", "1"}});
+    const Scene fine = scene({{"input", path}, {"texture", versor}, {"frequency", "2"}});
+    const Scene scaled = scene({{"input", path}, {"texture", versor}, {"frequency", "1"}, {"texture-scale", "2"}});
     for (const double share : {0.1, 0.25, 0.5}) {
       const double width = coarse.features()->texture.quantile(share);
       EXPECT_NEAR(fine.features()->texture.quantile(share), width / 2, 0.1 * width) << versor;

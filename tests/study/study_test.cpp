@@ -45,7 +45,7 @@ class StudyTest : public testing::Test {
   /// @param recipe  besides a low resolution
   Scene scene(Recipe recipe) {
     recipe.emplace("sdf-resolution", "40");
-    recipe.emplace("versor", "random");
+    recipe.emplace("texture", "random");
     return makeScene(parseFractalOptions(completeRecipe(recipe, fractalOptionTable())), mMonitor);
   }
 
@@ -79,10 +79,10 @@ TEST_F(StudyTest, CountsTheSetsThatTheJobMakes) {
   const std::string input = lumpy();
   const std::vector<Recipe> recipes{
       {{"alpha", "6"}},
-      {{"alpha", "x:10:60"}, {"versor-integer", "true"}, {"slice", "0.1"}, {"drop-axis", "i"}},
-      {{"alpha", "12"}, {"versor-placement", "inside"}, {"versor-scale", "0.5"}, {"origin", "0.05,0,0"}},
-      {{"alpha", "15"}, {"versor-translate", "0.1,0,0"}, {"precision", "double"}, {"iterations", "5"}},
-      {{"alpha", "10"}, {"versor-seed", "77"}, {"space", "world"}, {"exhaustive", "true"}},
+      {{"alpha", "x:10:60"}, {"texture-integer", "true"}, {"slice", "0.1"}, {"drop-axis", "i"}},
+      {{"alpha", "12"}, {"texture-placement", "inside"}, {"texture-scale", "0.5"}, {"origin", "0.05,0,0"}},
+      {{"alpha", "15"}, {"texture-translate", "0.1,0,0"}, {"precision", "double"}, {"iterations", "5"}},
+      {{"alpha", "10"}, {"texture-seed", "77"}, {"space", "world"}, {"exhaustive", "true"}},
   };
   for (std::size_t n = 0; n < recipes.size(); ++n) {
     Recipe recipe = recipes[n];
@@ -93,7 +93,7 @@ TEST_F(StudyTest, CountsTheSetsThatTheJobMakes) {
     EXPECT_EQ(alone, membership(first, plane)) << "recipe " << n;
     std::vector<int> sum = alone;
     for (std::uint64_t k = 1; k < 3; ++k) {
-      recipe["versor-seed"] = std::to_string(VersorSeeds(first).first() + k);
+      recipe["texture-seed"] = std::to_string(VersorSeeds(first).first() + k);
       const std::vector<int> other = membership(scene(recipe), plane);
       EXPECT_NE(other, alone) << "recipe " << n;
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += other[i];
@@ -104,13 +104,13 @@ TEST_F(StudyTest, CountsTheSetsThatTheJobMakes) {
 
 TEST_F(StudyTest, EachVersorHasItsOwnArithmetic) {
   // Summed powers lie about the 250 from which doubles are taken.
-  Recipe recipe{{"input", lumpy()}, {"alpha", "10"}, {"versor-roots", "38"}};
+  Recipe recipe{{"input", lumpy()}, {"alpha", "10"}, {"texture-roots", "38"}};
   const Scene first = scene(recipe);
   const SlicePlane plane = planeOf(first, 32);
   std::vector<int> sum(static_cast<std::size_t>(plane.width()) * static_cast<std::size_t>(plane.height()));
   int inFloats = 0;
   for (int k = 0; k < 8; ++k) {
-    recipe["versor-seed"] = std::to_string(1 + k);
+    recipe["texture-seed"] = std::to_string(1 + k);
     const Scene one = scene(recipe);
     inFloats += one.field.arithmetic == Arithmetic::Float ? 1 : 0;
     const std::vector<int> inside = membership(one, plane);
@@ -265,13 +265,13 @@ TEST_F(StudyTest, Refusals) {
   const SlicePlane plane = planeOf(made, 8);
   for (const int versors : {0, -1, kMostVersors + 1})
     EXPECT_THROW(study(made, plane, versors), std::invalid_argument) << versors;
-  const Scene last = scene({{"input", input}, {"versor-seed", "18446744073709551615"}});
+  const Scene last = scene({{"input", input}, {"texture-seed", "18446744073709551615"}});
   EXPECT_THROW(study(last, plane, 2), std::invalid_argument);
   EXPECT_NO_THROW(study(last, plane, 1));
   const std::string versor =
       mFolder.write("v.json", rationalToJson(test_fields::randomVersor(1, 5, 6, false), {}, {})).string();
-  EXPECT_THROW(study(scene({{"input", input}, {"versor", versor}}), plane, 2), std::invalid_argument);
-  EXPECT_THROW(study(scene({{"input", input}, {"map", "rational"}, {"versor", versor}}), plane, 2),
+  EXPECT_THROW(study(scene({{"input", input}, {"texture", versor}}), plane, 2), std::invalid_argument);
+  EXPECT_THROW(study(scene({{"input", input}, {"map", "rational"}, {"texture", versor}}), plane, 2),
                std::invalid_argument);
   EXPECT_THROW(study(scene({{"map", "quadratic"}}), plane, 2), std::invalid_argument);
 }
@@ -288,9 +288,10 @@ TEST_F(StudyTest, StopsWhenToldTo) {
 
 TEST(StudyOptions, AreThoseOfTheFractal) {
   const auto has = [](const std::string& name) { return studyOptionTable().knows(name); };
-  for (const char* name : {"input", "alpha", "beta", "versor-seed", "iterations", "escape", "box", "precision", "grid"})
+  for (const char* name :
+       {"input", "alpha", "beta", "texture-seed", "iterations", "escape", "box", "precision", "grid"})
     EXPECT_TRUE(has(name)) << name;
-  for (const char* name : {"map", "versor", "scheme", "power", "radius", "mandelbrot", "grids", "follow", "tolerance"})
+  for (const char* name : {"map", "texture", "scheme", "power", "radius", "mandelbrot", "grids", "follow", "tolerance"})
     EXPECT_FALSE(has(name)) << name;
 }
 

@@ -35,7 +35,7 @@ sides, middle = corners[1] - corners[0], corners.mean(axis=0)
 longest = sides.max()
 detail, outward = numbers("detail")[0], numbers("outward")[0]
 log_escape, iterations = np.log(numbers("escape")[0]), int(recorded["julia_iterations"])
-seed = int(recorded["julia_versor_seed"])
+seed = int(recorded["julia_texture_seed"])
 draw = np.random.default_rng(1)
 points = draw.uniform(*np.array(field.bounds), (count, 3))
 

@@ -6,7 +6,6 @@
 #include "repair/solid_input.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/recipe/option_name.h"
 
 #include "julia/expression.h"
 
@@ -215,7 +214,7 @@ class ExpressionSource final : public ControlSource {
           mesh && std::any_of(mesh->attributes.begin(), mesh->attributes.end(),
                               [&name](const VertexAttribute& attribute) { return attribute.name == name; });
       if (!isThere)
-        throw DataError("the expression '" + mExpression + "' of --" + optionName(mOption) + " refers to '" + name +
+        throw DataError("the expression '" + mExpression + "' of --" + mOption + " refers to '" + name +
                         "', which is neither a variable (" + kVariables + ") nor a vertex attribute of the target" +
                         (mesh ? " (it has " + attributeNames(*mesh) + ")" : ", which is a VDB"));
       attributes.push_back(&requireAttribute(*mesh, name, "the target's mesh"));
@@ -234,7 +233,7 @@ class ExpressionSource final : public ControlSource {
           for (std::size_t v = 0; v < variables.size(); ++v)
             where +=
                 (v == 0 ? " where " : ", ") + mNames[v] + " = " + numbersText({variables[v](Coord(x, y, z), index)});
-          throw DataError("the expression '" + mExpression + "' of --" + optionName(mOption) + " is " +
+          throw DataError("the expression '" + mExpression + "' of --" + mOption + " is " +
                           std::to_string(values[index]) + where +
                           "; it must have a finite value everywhere in the target's box and a tenth around it");
         }

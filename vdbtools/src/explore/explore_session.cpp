@@ -82,7 +82,7 @@ Recipe recipeOf(const json& body) {
   Recipe recipe;
   for (const auto& [name, value] : entry->items()) {
     if (!value.is_string()) throw std::invalid_argument("the option '" + inOneLine(name) + "' must be a text");
-    recipe[name] = value.get<std::string>();
+    recipe[currentName(name)] = value.get<std::string>();
   }
   return recipe;
 }
@@ -140,7 +140,7 @@ farm::KeyedOption keyedOption(const std::string& name, const std::map<int, const
   for (const auto& [frame, recipe] : recipes) {
     const auto entry = recipe->find(name);
     if (entry == recipe->end())
-      throw std::invalid_argument("the look of frame " + std::to_string(frame) + " has no --" + optionName(name) +
+      throw std::invalid_argument("the look of frame " + std::to_string(frame) + " has no --" + name +
                                   ", which those of other keys have; give it to all of them or to none");
     keys.push_back(name + '@' + std::to_string(frame) + '=' + entry->second);
   }

@@ -26,7 +26,7 @@ Recipe recipeOfText(std::string_view text) {
   Recipe recipe;
   for (const auto& [line, name, value] : listedOptions(text)) {
     if (name.empty()) throw DataError("the line '" + inOneLine(value) + "' is not NAME = VALUE");
-    if (!recipe.emplace(recipeEntry(name), value.empty() ? "true" : value).second)
+    if (!recipe.emplace(currentName(name), value.empty() ? "true" : value).second)
       throw DataError("'" + inOneLine(name) + "' is set twice; keep only one of them");
   }
   return recipe;

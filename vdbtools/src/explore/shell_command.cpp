@@ -2,7 +2,6 @@
 #include "vdbtools/explore/shell_command.h"
 
 #include "vdbtools/base/shell_word.h"
-#include "vdbtools/recipe/option_name.h"
 
 #include <algorithm>
 #include <set>
@@ -27,9 +26,9 @@ void appendRecipe(std::string& command, const Recipe& recipe, const OptionTable&
     if (std::all_of(runs.begin(), runs.end(), [&](const OptionRun& run) { return !table.idle(name, run).empty(); }))
       continue;
     if (!spec->argument.empty()) {
-      if (!entry->second.empty()) appendOption(command, "--" + optionName(name), entry->second);
+      if (!entry->second.empty()) appendOption(command, "--" + name, entry->second);
     } else if (entry->second == "true") {
-      command += " --" + optionName(name);
+      command += " --" + name;
     }
   }
 }

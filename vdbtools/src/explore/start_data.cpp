@@ -5,7 +5,6 @@
 #include "explore/look_data.h"
 #include "vdbtools/explore/embedded_page.h"
 #include "vdbtools/maps/texture_shelf.h"
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
@@ -35,13 +34,9 @@ std::string groupOf(const std::string& name, const MapRegistry& maps) {
 json optionData(const OptionTable& table, const MapRegistry& maps) {
   json all = json::array();
   for (const OptionListing& listing : table.listing()) {
-    json option = {{"name", listing.name},
-                   {"option", optionName(listing.name)},
-                   {"argument", listing.argument},
-                   {"help", listing.help},
-                   {"group", groupOf(listing.name, maps)},
-                   {"maps", json::array()},
-                   {"defaults", json::object()},
+    json option = {{"name", listing.name},      {"argument", listing.argument},
+                   {"help", listing.help},      {"group", groupOf(listing.name, maps)},
+                   {"maps", json::array()},     {"defaults", json::object()},
                    {"displaces", json::array()}};
     for (const MapRegistry::Descriptor& map : maps.maps()) {
       const Recipe recipe = {{table.selector(), map->name()}};

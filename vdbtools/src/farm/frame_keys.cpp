@@ -58,10 +58,10 @@ std::string blended(const std::string& option, const Key& from, const Key& to, d
     if (i == a.separators.size()) return result;
     result += a.separators[i];
   }
-  throw std::invalid_argument(
-      "--" + optionName(option) + " is '" + from.second + "' at frame " + std::to_string(from.first) + " and '" +
-      to.second + "' at frame " + std::to_string(to.first) +
-      "; only numbers can be blended, so give both keys the same form, or use --ease " + option + "=step");
+  throw std::invalid_argument("--" + option + " is '" + from.second + "' at frame " + std::to_string(from.first) +
+                              " and '" + to.second + "' at frame " + std::to_string(to.first) +
+                              "; only numbers can be blended, so give both keys the same form, or use --ease " +
+                              option + "=step");
 }
 
 double shareAt(Ease ease, double t) {
@@ -106,7 +106,7 @@ std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const s
     const std::size_t at = text.find('@'), equals = text.find('=', at);
     if (at == 0 || at == std::string::npos || equals == std::string::npos)
       refuse("key", text, "NAME@FRAME=VALUE, such as alpha@48=120");
-    const std::string name = recipeEntry(text.substr(0, at));
+    const std::string name = currentName(text.substr(0, at));
     if (!table.knows(name))
       refuse("key", text, "for an option of a fractal; there is none with the name '" + text.substr(0, at) + "'");
     const std::optional<int> frame = wholeFromText<int>(text.substr(at + 1, equals - at - 1));
@@ -114,7 +114,7 @@ std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const s
     KeyedOption& option = options[name];
     option.name = name;
     if (!option.keys.emplace(*frame, text.substr(equals + 1)).second)
-      refuse("key", text, "the only key of '" + optionName(name) + "' at frame " + std::to_string(*frame));
+      refuse("key", text, "the only key of '" + name + "' at frame " + std::to_string(*frame));
   }
   std::optional<Ease> ofAll;
   std::map<std::string, Ease> ofOne;
@@ -123,7 +123,7 @@ std::vector<KeyedOption> parseKeys(const std::vector<std::string>& keys, const s
     const bool isNew =
         equals == std::string::npos
             ? !std::exchange(ofAll, parseEase(text))
-            : ofOne.emplace(recipeEntry(text.substr(0, equals)), parseEase(text.substr(equals + 1))).second;
+            : ofOne.emplace(currentName(text.substr(0, equals)), parseEase(text.substr(equals + 1))).second;
     if (!isNew) refuse("ease", text, "given once for an option, and once for all others");
   }
   for (const auto& [name, ease] : ofOne)

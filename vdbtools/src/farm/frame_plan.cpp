@@ -5,7 +5,6 @@
 
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/mesh_files/mesh_animation.h"
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
@@ -114,7 +113,7 @@ void requireKeysWithoutPatterns(const FramePlanOptions& options) {
   const auto hasPattern = [](const auto& key) { return hasFramePattern(key.second); };
   for (const KeyedOption& option : options.keys)
     if (std::any_of(option.keys.begin(), option.keys.end(), hasPattern))
-      throw std::invalid_argument("a key of --" + optionName(option.name) +
+      throw std::invalid_argument("a key of --" + option.name +
                                   " is the name of a file for each frame; give the option itself, without keys");
 }
 

@@ -7,6 +7,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
+#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <nlohmann/json.hpp>
@@ -100,6 +101,12 @@ std::map<std::string, std::string> entriesFrom(const Json& json, const char* nam
   return entries;
 }
 
+Recipe recipeFrom(const Json& json) {
+  Recipe recipe;
+  for (const auto& [option, value] : entriesFrom(json, "recipe")) recipe[currentName(option)] = value;
+  return recipe;
+}
+
 openvdb::CoordBBox boxFrom(const Json& json) {
   const auto corner = [](const Json& c) {
     if (c.size() != 3) refusePlan("the corner of a box has " + std::to_string(c.size()) + " numbers and not 3");
@@ -129,7 +136,7 @@ Manifest manifestFrom(const Json& json) {
   manifest.version = json.at(kProgramKey).get<std::string>();
   manifest.kind = kindFrom(json.at("kind").get<std::string>());
   manifest.makes = json.at("makes").get<std::vector<std::string>>();
-  manifest.recipe = entriesFrom(json, "recipe");
+  manifest.recipe = recipeFrom(json);
   if (json.contains("facts")) manifest.metadata = entriesFrom(json, "facts");
   if (json.contains("lattice")) {
     const Json& lattice = json.at("lattice");
@@ -140,7 +147,7 @@ Manifest manifestFrom(const Json& json) {
     manifest.inputs.push_back({input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
   for (const Json& entry : arrayOf(json, "tasks")) {
     PlannedTask task;
-    if (entry.contains("recipe")) task.recipe = entriesFrom(entry, "recipe");
+    if (entry.contains("recipe")) task.recipe = recipeFrom(entry);
     if (entry.contains("box")) task.box = boxFrom(entry.at("box"));
     task.writes = entry.at("writes").get<std::vector<std::string>>();
     manifest.tasks.push_back(std::move(task));

@@ -5,6 +5,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
+#include "vdbtools/recipe/option_name.h"
 
 #include <nlohmann/json.hpp>
 
@@ -34,7 +35,7 @@ Json parsed(const std::filesystem::path& path) {
 
 Recipe recipeOf(const Json& json) {
   Recipe recipe;
-  for (const auto& [option, value] : json.items()) recipe[option] = value.get<std::string>();
+  for (const auto& [option, value] : json.items()) recipe[currentName(option)] = value.get<std::string>();
   return recipe;
 }
 

@@ -13,7 +13,6 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/picture/contact_sheet.h"
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/scene/scene_picture.h"
 #include "vdbtools/scene/voxel_advice.h"
 
@@ -155,7 +154,7 @@ void requireVaried(const SheetOptions& options) {
     throw std::invalid_argument("--vary is given twice for '" + varied[0].name + "'; give all its values at once");
   for (const VariedOption& option : varied)
     if (options.given.contains(option.name) || options.view.contains(option.name))
-      throw std::invalid_argument("--" + optionName(option.name) + " is given and varied; give only one of them");
+      throw std::invalid_argument("--" + option.name + " is given and varied; give only one of them");
   std::size_t cells = 1;
   for (const VariedOption& option : varied) cells *= option.values.size();
   if (cells > kMostSheetCells)
@@ -252,7 +251,7 @@ std::string fileNameOf(const PlannedCell& planned) {
 /// "alpha 40"; of a file only its name.
 std::string captionOf(const std::string& option, const std::string& value) {
   const std::size_t slash = value.find(':') == std::string::npos ? value.rfind('/') : std::string::npos;
-  return optionName(option) + " " + (slash == std::string::npos ? value : value.substr(slash + 1));
+  return option + " " + (slash == std::string::npos ? value : value.substr(slash + 1));
 }
 
 /// What stands in the caption of a cell; empty where there is nothing to say.

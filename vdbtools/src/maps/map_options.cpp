@@ -7,7 +7,6 @@
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/maps/versor_options.h"
-#include "vdbtools/recipe/option_name.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -31,8 +30,8 @@ OptionSpec kept(OptionSpec spec) {
 }
 
 /// The options that say something of random roots alone, and nothing of a texture or a file.
-constexpr const char* kRandomOnly[] = {"versor-roots",    "versor-powers", "versor-integer", "versor-placement",
-                                       "versor-distance", "versor-centre", "versor-radius"};
+constexpr const char* kRandomOnly[] = {"texture-roots",    "texture-powers", "texture-integer", "texture-placement",
+                                       "texture-distance", "texture-centre", "texture-radius"};
 
 bool isRandomOnly(const std::string& option) {
   return std::find(std::begin(kRandomOnly), std::end(kRandomOnly), option) != std::end(kRandomOnly);
@@ -64,7 +63,7 @@ std::string usualVersor(const Recipe& recipe) {
   const auto map = recipe.find("map");
   const bool isRational = map != recipe.end() && map->second == "rational";
   const bool saysRandom = std::any_of(recipe.begin(), recipe.end(), [](const auto& entry) {
-    return isRandomOnly(entry.first) || entry.first == "versor-seed";
+    return isRandomOnly(entry.first) || entry.first == "texture-seed";
   });
   return isRational || saysRandom ? kRandom : defaultTexture().name;
 }
@@ -72,7 +71,7 @@ std::string usualVersor(const Recipe& recipe) {
 /// Why roots are not drawn at random; "" if they are.
 std::string notRandom(const OptionRun& run) {
   const std::string rational = run.text("map") == "rational" ? run.text("rational") : "";
-  const std::string name = rational.empty() ? run.text("versor") : rational;
+  const std::string name = rational.empty() ? run.text("texture") : rational;
   if (name.empty() || name == kRandom) return {};
   if (isDirections(name)) return "--texture " + name + " has no roots";
   return findTexture(name) ? "--texture " + name + " has roots of its own" : "the roots are those of '" + name + "'";
@@ -85,7 +84,7 @@ std::string idleRandomOnly(const OptionRun& run) {
 }
 
 std::string idleSeed(const OptionRun& run) {
-  const Texture* texture = findTexture(run.text("versor"));
+  const Texture* texture = findTexture(run.text("texture"));
   if (!texture || notRandom(run).empty()) return idleRandomOnly(run);
   return texture->varies()
              ? ""
@@ -95,7 +94,7 @@ std::string idleSeed(const OptionRun& run) {
 /// Of an option of one way to place random roots.
 IdleRule idleUnlessPlaced(const char* placement) {
   return idleByAny({idleRandomOnly, [placement](const OptionRun& run) -> std::string {
-                      const std::string given = run.text("versor-placement");
+                      const std::string given = run.text("texture-placement");
                       return given == placement ? ""
                                                 : std::string("it is for roots that are placed by '") + placement +
                                                       "', and they are placed by '" + given + "'; leave it out";
@@ -108,7 +107,7 @@ std::uint64_t parseSeed(const RecipeReader& reader, const std::string& option) {
 
 /// Of --frequency.
 std::string idleFrequency(const OptionRun& run) {
-  if (run.text("map") == "rational" || !followsThickness(run.text("versor")))
+  if (run.text("map") == "rational" || !followsThickness(run.text("texture")))
     return "it is for textures of waves, and roots are as large as they are; leave it out, or give a texture that "
            "follows the thickness";
   return {};
@@ -162,7 +161,7 @@ OptionSpec frequencyOption() {
               "how many features of the texture lie across the local thickness: coarse (1), medium (2), fine (4) "
               "or a number above 0; takes the same values as --detail. For the textures that follow the thickness",
           .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
-            const auto versor = recipe.find("versor");
+            const auto versor = recipe.find("texture");
             return followsThickness(versor == recipe.end() ? usualVersor(recipe) : versor->second)
                        ? std::optional<std::string>("medium")
                        : std::nullopt;
@@ -271,40 +270,40 @@ const OptionRows<julia::RandomRootsOptions>& randomRootsRows() {
   using Random = julia::RandomRootsOptions;
   using julia::RootPlacement;
   static const OptionRows<Random> rows{
-      {kept({.name = "versor-seed",
+      {kept({.name = "texture-seed",
              .argument = "S",
              .help = "the seed of random roots: every number is another texture; it also varies a texture that has "
                      "something random",
              .idle = idleSeed}),
        whole(&Random::seed, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max())},
-      {kept({.name = "versor-roots", .argument = "N", .help = "the number of roots", .idle = idleRandomOnly}),
+      {kept({.name = "texture-roots", .argument = "N", .help = "the number of roots", .idle = idleRandomOnly}),
        whole(&Random::count, 1, 1'000'000)},
-      {kept({.name = "versor-powers",
+      {kept({.name = "texture-powers",
              .argument = "MIN:MAX",
              .defaultValue = numberText(Random{}.minPower) + ':' + numberText(Random{}.maxPower),
              .help = "the range of their powers: higher powers make finer detail",
              .idle = idleRandomOnly}),
        parsedBy(parsePowers)},
-      {kept({.name = "versor-integer", .help = "use whole powers only", .idle = idleRandomOnly}),
+      {kept({.name = "texture-integer", .help = "use whole powers only", .idle = idleRandomOnly}),
        flag(&Random::integerPowers)},
-      {kept({.name = "versor-placement", .help = "where the roots are placed", .idle = idleRandomOnly}),
+      {kept({.name = "texture-placement", .help = "where the roots are placed", .idle = idleRandomOnly}),
        choice<RootPlacement>(&Random::placement, {{"box", RootPlacement::Box},
                                                   {"inside", RootPlacement::Inside},
                                                   {"surface", RootPlacement::Surface},
                                                   {"cluster", RootPlacement::Cluster}})},
-      {kept({.name = "versor-distance",
+      {kept({.name = "texture-distance",
              .argument = "D",
              .help =
                  "for --texture-placement surface: the largest distance of roots from it, as a share of the longest "
                  "side",
              .idle = idleUnlessPlaced("surface")}),
        number(&Random::surfaceDistance, above(0))},
-      {kept({.name = "versor-centre",
+      {kept({.name = "texture-centre",
              .argument = "X,Y,Z",
              .help = "for --texture-placement cluster: its centre, in fractal space",
              .idle = idleUnlessPlaced("cluster")}),
        vector(&Random::clusterCentre)},
-      {kept({.name = "versor-radius",
+      {kept({.name = "texture-radius",
              .argument = "R",
              .help = "for --texture-placement cluster: its radius, in fractal space",
              .idle = idleUnlessPlaced("cluster")}),
@@ -318,7 +317,7 @@ std::vector<OptionSpec> randomRootsOptions() { return randomRootsRows().specs();
 
 std::vector<OptionSpec> rootsOptions() {
   std::vector<OptionSpec> options{kept(
-      {.name = "versor",
+      {.name = "texture",
        .argument = "NAME|random|FILE|expr:...",
        .help =
            "the texture (versor): one of those that 'juliavdb versor list' shows, random roots, a .json, .p4d, .poly4d "
@@ -328,13 +327,13 @@ std::vector<OptionSpec> rootsOptions() {
        .defaultNote = defaultTexture().name + "; random with any option of random roots",
        .alternative = "rational",
        .displaces = {std::begin(kRandomOnly), std::end(kRandomOnly)},
-       .hash = "versor-sha256"})};
+       .hash = "texture-sha256"})};
   for (OptionSpec& option : randomRootsOptions()) {
     if (isRandomOnly(option.name)) {
-      option.displaces = {"versor"};
+      option.displaces = {"texture"};
       // Not recorded with a texture, where they mean nothing.
       option.defaultFor = [usual = option.defaultValue](const Recipe& recipe) {
-        const auto versor = recipe.find("versor");
+        const auto versor = recipe.find("texture");
         return versor != recipe.end() && (findTexture(versor->second) || isDirections(versor->second)) ? std::nullopt
                                                                                                        : usual;
       };
@@ -342,8 +341,8 @@ std::vector<OptionSpec> rootsOptions() {
     options.push_back(std::move(option));
   }
   options.push_back(kept(
-      {.name = "versor-scale", .argument = "F", .defaultValue = "1", .help = "scale the texture about the origin"}));
-  options.push_back(kept({.name = "versor-translate",
+      {.name = "texture-scale", .argument = "F", .defaultValue = "1", .help = "scale the texture about the origin"}));
+  options.push_back(kept({.name = "texture-translate",
                           .argument = "X,Y,Z",
                           .defaultValue = "0,0,0",
                           .help = "move the texture alone, or the roots of a rational map, in fractal space"}));
@@ -361,9 +360,9 @@ namespace {
 /// What all roots take.
 void parsePlacement(const RecipeReader& reader, RootsSettings& settings) {
   settings.random.embedding = parseEmbedding(reader);
-  settings.scale = reader.number("versor-scale");
-  if (settings.scale == 0) reader.refuse("versor-scale", "other than 0");
-  settings.translate = reader.vector("versor-translate");
+  settings.scale = reader.number("texture-scale");
+  if (settings.scale == 0) reader.refuse("texture-scale", "other than 0");
+  settings.translate = reader.vector("texture-translate");
 }
 
 /// @throw std::invalid_argument  it is no name that a file may have
@@ -379,22 +378,22 @@ NamedFile parseRootsFile(const RecipeReader& reader, const std::string& option) 
 void refuseRandomOnly(const RecipeReader& reader) {
   for (const char* option : kRandomOnly)
     if (reader.has(option))
-      throw std::invalid_argument("--" + optionName(option) + " belongs to random roots, and --texture " +
-                                  reader.text("versor") + " has its own; leave one of them out");
+      throw std::invalid_argument("--" + option + " belongs to random roots, and --texture " + reader.text("texture") +
+                                  " has its own; leave one of them out");
 }
 
 RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption) {
   RootsSettings settings;
   const std::string name = reader.text(fileOption);
-  if (fileOption == "versor") settings.texture = findTexture(name);
+  if (fileOption == "texture") settings.texture = findTexture(name);
   if (settings.texture) {
     refuseRandomOnly(reader);
-    settings.random.seed = parseSeed(reader, "versor-seed");
+    settings.random.seed = parseSeed(reader, "texture-seed");
   } else {
-    if (fileOption == "versor" && isDirections(name))
+    if (fileOption == "texture" && isDirections(name))
       reader.refuse(fileOption, "roots, of which a rational map is made: random, or a file");
     if (!name.empty() && name != kRandom)
-      settings.file = fileOption == "versor" ? parseRootsFile(reader, fileOption) : reader.file(fileOption);
+      settings.file = fileOption == "texture" ? parseRootsFile(reader, fileOption) : reader.file(fileOption);
     settings.random = parseRandomRoots(reader);
   }
   if (settings.texture && settings.texture->followsThickness()) {
@@ -410,12 +409,12 @@ RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOpti
 
 RootsSettings parseOverRoots(const RecipeReader& reader) {
   RootsSettings settings;
-  const std::string name = reader.text("versor-over");
+  const std::string name = reader.text("texture-over");
   settings.texture = findTexture(name);
-  if (!settings.texture && name != kRandom) settings.file = parseRootsFile(reader, "versor-over");
-  settings.random.seed = parseSeed(reader, "versor-over-seed");
+  if (!settings.texture && name != kRandom) settings.file = parseRootsFile(reader, "texture-over");
+  settings.random.seed = parseSeed(reader, "texture-over-seed");
   if (settings.texture && settings.texture->followsThickness())
-    settings.frequency = parseFrequency(reader, "versor-over-frequency");
+    settings.frequency = parseFrequency(reader, "texture-over-frequency");
   parsePlacement(reader, settings);
   return settings;
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/map_registry.h"
 
-#include "vdbtools/recipe/option_name.h"
-
 #include <sstream>
 
 namespace vdbtools {
@@ -41,7 +39,7 @@ std::string mapsPage(const MapRegistry& maps) {
          << (map->hasRoots() ? ", with the texture of its roots" : "") << ". " << map->proofs() << "\n\n"
          << "| option | default | meaning |\n|---|---|---|\n";
     for (const OptionSpec& spec : map->options()) {
-      page << "| `--" << optionName(spec.name);
+      page << "| `--" << spec.name;
       if (!spec.argument.empty()) page << ' ' << escaped(spec.argument);
       page << "` | ";
       const char* quote = spec.defaultNote.empty() ? "`" : "";

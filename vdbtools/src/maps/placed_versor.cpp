@@ -6,7 +6,6 @@
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/number_text.h"
-#include "vdbtools/recipe/option_name.h"
 
 #include "julia/expression.h"
 #include "julia/mixed_versor.h"
@@ -192,9 +191,8 @@ void requireDirections(const VersorSource& source, const DirectionFunction& func
           for (const double part : {q.a, q.b, q.c, q.d}) value += (value.empty() ? "" : ", ") + shortText(part);
         else
           for (const double part : embedding.point(q)) value += (value.empty() ? "" : ", ") + shortText(part);
-        throw DataError("the formula '" + source.formula->text + "' of --" + optionName(source.option) + " is (" +
-                        value + ") around x = " + shortText(at[0]) + ", y = " + shortText(at[1]) +
-                        ", z = " + shortText(at[2]) +
+        throw DataError("the formula '" + source.formula->text + "' of --" + source.option + " is (" + value +
+                        ") around x = " + shortText(at[0]) + ", y = " + shortText(at[1]) + ", z = " + shortText(at[2]) +
                         ", which is no direction; it must have one everywhere in the target's box and a tenth around "
                         "it, except at single points");
       }
@@ -215,8 +213,8 @@ PlacedLayer placedLayer(const VersorSource& source, const julia::Embedding& embe
     requireDirections(source, layer.function, embedding, context);
   } else if (source.field) {
     if (!files.directions) throw std::logic_error("a field of directions was not read");
-    layer.directions = sharedFields(
-        filledAbout(*files.directions, context.target->box, "--" + optionName(source.option)), context.space);
+    layer.directions =
+        sharedFields(filledAbout(*files.directions, context.target->box, "--" + source.option), context.space);
   } else if (source.isFunction) {
     layer.function = programFunction(function, embedding, context.space);
   } else if (source.followsThickness()) {

@@ -90,8 +90,8 @@ class RationalDescriptor final : public MapDescriptor {
          .argument = "FILE",
          .defaultValue = "",
          .help = "the rational map: a .json made by 'juliavdb fit', or an .o3d",
-         .alternative = "versor",
-         .hash = "versor-sha256",
+         .alternative = "texture",
+         .hash = "texture-sha256",
          .kept = true,
          .check = [](const std::string& file) {
            if (!file.empty())
@@ -105,11 +105,11 @@ class RationalDescriptor final : public MapDescriptor {
 
   std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
     const std::string rational = reader.text("rational");
-    if (!rational.empty() && reader.has("versor") && reader.text("versor") != "random")
+    if (!rational.empty() && reader.has("texture") && reader.text("texture") != "random")
       throw std::invalid_argument("--rational and --texture both give the roots of the map; give only one of them");
     if (rational == "random") reader.refuse("rational", "a file; --texture random draws roots");
     return std::make_shared<RationalSettings>(parseOrbit(reader, "escape"), parseEmbedding(reader),
-                                              parseRoots(reader, rational.empty() ? "versor" : "rational"));
+                                              parseRoots(reader, rational.empty() ? "texture" : "rational"));
   }
 };
 

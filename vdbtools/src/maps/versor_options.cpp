@@ -4,7 +4,6 @@
 #include "control/control_kinds.h"
 #include "control/control_lattice.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/recipe/option_name.h"
 
 #include "julia/expression.h"
 
@@ -23,7 +22,7 @@ constexpr const char* kField = "field:";
 constexpr const char* kWaves = "waves:";
 
 std::string overOf(const Recipe& recipe) {
-  const auto over = recipe.find("versor-over");
+  const auto over = recipe.find("texture-over");
   return over == recipe.end() ? kNone : over->second;
 }
 
@@ -95,28 +94,28 @@ std::optional<VersorSource> parseDirections(const RecipeReader& reader, const st
   } else if (const std::optional<std::string> waves = afterPrefix(text, kWaves)) {
     if (waves->empty()) reader.refuse(option, "waves:FILE.json");
     source.waves = reader.file(option, *waves);
-    const std::string frequency = option == "versor" ? "frequency" : "versor-over-frequency";
+    const std::string frequency = option == "texture" ? "frequency" : "texture-over-frequency";
     source.roots.frequency = parseFrequency(reader, frequency);
   } else if (text == kFunction) {
     if (!hasFunction)
-      throw std::invalid_argument("--" + optionName(option) +
+      throw std::invalid_argument("--" + option +
                                   " is 'function', a function of a Python program, which no recipe can hold; make the "
                                   "fractal with that program again, or give another versor");
     source.isFunction = true;
   } else {
     return std::nullopt;
   }
-  source.roots.scale = reader.number("versor-scale");
-  if (source.roots.scale == 0) reader.refuse("versor-scale", "other than 0");
-  source.roots.translate = reader.vector("versor-translate");
+  source.roots.scale = reader.number("texture-scale");
+  if (source.roots.scale == 0) reader.refuse("texture-scale", "other than 0");
+  source.roots.translate = reader.vector("texture-translate");
   return source;
 }
 
 std::optional<julia::Symmetry> parseSymmetry(const RecipeReader& reader) {
-  const std::string text = reader.text("versor-symmetry");
+  const std::string text = reader.text("texture-symmetry");
   if (text == kNone) return std::nullopt;
   const auto refuse = [&] {
-    reader.refuse("versor-symmetry",
+    reader.refuse("texture-symmetry",
                   "none; mirror:AXES, such as mirror:x or mirror:xz; or N:AXIS with N from 2 to 64, such as 6:y, or "
                   "6:y:mirror for a kaleidoscope");
   };
@@ -146,10 +145,10 @@ std::optional<julia::Symmetry> parseSymmetry(const RecipeReader& reader) {
 }
 
 ControlSetting parseMix(const RecipeReader& reader) {
-  const std::optional<double> value = numberFromText(reader.text("versor-mix"));
+  const std::optional<double> value = numberFromText(reader.text("texture-mix"));
   if (value && !(*value >= 0 && *value <= 1))
-    reader.refuse("versor-mix", "from 0 to 1, or a ramp, a grid, a painted attribute, a picture or a formula");
-  return parseControl(reader, "versor-mix");
+    reader.refuse("texture-mix", "from 0 to 1, or a ramp, a grid, a painted attribute, a picture or a formula");
+  return parseControl(reader, "texture-mix");
 }
 
 /// What is a coordinate of the place, and needs no grid.
@@ -178,39 +177,39 @@ bool followsThickness(const std::string& versor) {
 
 std::vector<OptionSpec> layerOptions() {
   return {
-      {.name = "versor-over",
+      {.name = "texture-over",
        .argument = "NAME|FILE|expr:...|none",
        .defaultValue = kNone,
        .help = "a second texture, which is mixed over the first; takes the same values as --texture",
-       .hash = "versor-over-sha256"},
-      {.name = "versor-over-seed",
+       .hash = "texture-over-sha256"},
+      {.name = "texture-over-seed",
        .argument = "S",
        .help = "the seed of the second texture",
        .defaultFor = defaultWithOver("1"),
        .defaultNote = "1",
        .type = {.kind = OptionType::Kind::Whole, .low = 0},
        .idle = idleOverSeed},
-      {.name = "versor-over-frequency",
+      {.name = "texture-over-frequency",
        .argument = "F",
        .help = "the frequency of the second texture; takes the same values as --frequency",
        .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
          return overFollowsThickness(recipe) ? std::optional<std::string>("medium") : std::nullopt;
        },
        .defaultNote = "medium",
-       .hash = "versor-over-frequency-sha256",
+       .hash = "texture-over-frequency-sha256",
        .type = frequencyType(),
        .idle = idleOverFrequency},
-      {.name = "versor-mix",
+      {.name = "texture-mix",
        .argument = "M",
        .help =
            "how much of the second texture there is at each place, from 0 (the first one alone) to 1 (the second one "
            "alone); takes the same values as --mask",
        .defaultFor = defaultWithOver("0.5"),
        .defaultNote = "0.5",
-       .hash = "versor-mix-sha256",
+       .hash = "texture-mix-sha256",
        .type = {.kind = OptionType::Kind::Control, .low = 0, .high = 1},
        .idle = idleWithoutOver},
-      {.name = "versor-symmetry",
+      {.name = "texture-symmetry",
        .argument = "N:AXIS|none",
        .defaultValue = kNone,
        .help = "makes the versors symmetric about the middle of the target: 6:y repeats them six times around Y, "
@@ -219,16 +218,16 @@ std::vector<OptionSpec> layerOptions() {
 
 VersorSettings parseVersor(const RecipeReader& reader, bool hasFunction) {
   VersorSettings settings;
-  if (std::optional<VersorSource> directions = parseDirections(reader, "versor", hasFunction)) {
+  if (std::optional<VersorSource> directions = parseDirections(reader, "texture", hasFunction)) {
     refuseRandomOnly(reader);
     settings.under = std::move(*directions);
   } else {
-    settings.under = {.option = "versor", .roots = parseRoots(reader, "versor")};
+    settings.under = {.option = "texture", .roots = parseRoots(reader, "texture")};
   }
   settings.symmetry = parseSymmetry(reader);
-  if (reader.text("versor-over") == kNone) return settings;
-  settings.over = parseDirections(reader, "versor-over", hasFunction);
-  if (!settings.over) settings.over = {.option = "versor-over", .roots = parseOverRoots(reader)};
+  if (reader.text("texture-over") == kNone) return settings;
+  settings.over = parseDirections(reader, "texture-over", hasFunction);
+  if (!settings.over) settings.over = {.option = "texture-over", .roots = parseOverRoots(reader)};
   settings.mix = parseMix(reader);
   return settings;
 }
@@ -259,18 +258,18 @@ std::vector<MapControl> controlsOf(const VersorSettings& settings) {
         controls.push_back({"at-" + name, source->option, ControlSetting(expressionSource(name, source->option))});
   }
   if (!settings.over) return controls;
-  controls.push_back({"mix", "versor-mix", settings.mix, MapControl::Kind::Share});
+  controls.push_back({"mix", "texture-mix", settings.mix, MapControl::Kind::Share});
   if (settings.over->followsThickness())
     controls.push_back(
-        {"over-octave", "versor-over-frequency", settings.over->roots.frequency, MapControl::Kind::Frequency});
+        {"over-octave", "texture-over-frequency", settings.over->roots.frequency, MapControl::Kind::Frequency});
   return controls;
 }
 
 MapFiles readFiles(const VersorSettings& settings) {
   const auto directions = [](const VersorSource& source) {
-    return source.field ? std::optional(readDirectionGrids(source.field->file.path, source.field->grids,
-                                                           "--" + optionName(source.option)))
-                        : std::nullopt;
+    return source.field
+               ? std::optional(readDirectionGrids(source.field->file.path, source.field->grids, "--" + source.option))
+               : std::nullopt;
   };
   const auto waves = [](const VersorSource& source) {
     return source.waves ? std::optional(readWaveFile(source.waves->path)) : std::nullopt;

@@ -4,7 +4,7 @@
 namespace vdbtools {
 namespace {
 
-constexpr std::string_view kVersor = "versor", kTexture = "texture";
+constexpr std::string_view kFormer = "versor", kNow = "texture";
 
 /// The name with another first word, if @a from is its first word.
 std::string renamed(std::string_view name, std::string_view from, std::string_view to) {
@@ -14,13 +14,8 @@ std::string renamed(std::string_view name, std::string_view from, std::string_vi
 
 }  // namespace
 
-std::string optionName(std::string_view entry) { return renamed(entry, kVersor, kTexture); }
+std::string currentName(std::string_view name) { return renamed(name, kFormer, kNow); }
 
-std::vector<std::string> optionNames(std::vector<std::string> entries) {
-  for (std::string& entry : entries) entry = optionName(entry);
-  return entries;
-}
-
-std::string recipeEntry(std::string_view name) { return renamed(name, kTexture, kVersor); }
+std::string formerName(std::string_view name) { return renamed(name, kNow, kFormer); }
 
 }  // namespace vdbtools

@@ -3,7 +3,6 @@
 
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
@@ -246,15 +245,14 @@ void OptionTable::requireFits(const Recipe& recipe) const {
     }
     if (!knows(option))
       throw std::invalid_argument("--" + option + " is not an option of this command; see --help" +
-                                  didYouMean(option, optionNames(names()), "--"));
+                                  didYouMean(option, names(), "--"));
     const std::string chosen = "--" + mSelector + " " + name;
     if (option == "input") throw std::invalid_argument(chosen + " has no target; leave '" + value + "' out");
     std::string instead;
     for (const OptionVariant& each : mVariants)
       if (const OptionSpec* other = findIn(each.options, option); other && find(other->alternative, recipe))
-        instead = ", or give --" + optionName(other->alternative);
-    throw std::invalid_argument("--" + optionName(option) + " does not apply to " + chosen + "; leave it out" +
-                                instead);
+        instead = ", or give --" + other->alternative;
+    throw std::invalid_argument("--" + option + " does not apply to " + chosen + "; leave it out" + instead);
   }
 }
 
@@ -285,7 +283,7 @@ bool RequiredEffects::add(const OptionRun& run) {
 }
 
 void RequiredEffects::require() const {
-  if (!mFirst.empty()) throw std::invalid_argument("--" + optionName(mFirst) + " has no effect: " + mWhy);
+  if (!mFirst.empty()) throw std::invalid_argument("--" + mFirst + " has no effect: " + mWhy);
 }
 
 Recipe completeRecipe(Recipe recipe, const OptionTable& table) {

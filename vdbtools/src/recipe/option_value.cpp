@@ -3,7 +3,6 @@
 
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/base/number_text.h"
-#include "vdbtools/recipe/option_name.h"
 
 #include <cmath>
 #include <sstream>
@@ -13,7 +12,7 @@
 namespace vdbtools {
 
 void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
-  throw std::invalid_argument("--" + optionName(option) + " is '" + text + "'; it must be " + wanted);
+  throw std::invalid_argument("--" + option + " is '" + text + "'; it must be " + wanted);
 }
 
 void refuseChoice(const std::string& option, const std::string& text, std::span<const std::string> choices) {

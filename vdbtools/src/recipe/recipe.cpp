@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/recipe.h"
 
+#include "vdbtools/recipe/option_name.h"
+
 #include <algorithm>
 
 namespace vdbtools {
@@ -34,7 +36,8 @@ std::string commandOfMetadata(const std::map<std::string, std::string>& metadata
 Recipe recipeFromMetadata(const std::map<std::string, std::string>& metadata, const OptionTable& table) {
   Recipe recipe;
   const auto take = [&](const std::string& option) {
-    if (const auto found = metadata.find(metadataName(option)); found != metadata.end()) recipe[option] = found->second;
+    for (const std::string& name : {formerName(option), option})
+      if (const auto found = metadata.find(metadataName(name)); found != metadata.end()) recipe[option] = found->second;
   };
   for (const std::string& option : table.names()) take(option);
   for (const std::string& hash : table.hashNames()) take(hash);

@@ -76,7 +76,7 @@ VariedOption parseVaried(const std::string& text, const OptionTable& table, std:
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     refuse(kOption, text, "NAME=VALUES, such as alpha=10,20,40 or alpha=10:40:10");
-  VariedOption option{recipeEntry(text.substr(0, equals)), {}};
+  VariedOption option{currentName(text.substr(0, equals)), {}};
   if (!table.knows(option.name))
     refuse(kOption, text,
            "an option of a fractal or of its picture; there is none with the name '" + text.substr(0, equals) + "'");

@@ -52,10 +52,10 @@ RecordedRecipe readRecipeFile(const std::filesystem::path& path, const MapRegist
     if (!value.is_string())
       throw DataError("the recipe in " + file + " is broken: the value of '" + inOneLine(name) +
                       "' is not a text; put it in quotes");
-    const std::string entry = recipeEntry(name);
+    const std::string entry = currentName(name);
     if (!table.knows(entry) && std::ranges::find(hashes, entry) == hashes.end())
       throw DataError("the recipe in " + file + " is broken: there is no option '" + inOneLine(name) +
-                      "' of 'juliavdb " + recorded.command + "'" + didYouMean(name, optionNames(table.names())));
+                      "' of 'juliavdb " + recorded.command + "'" + didYouMean(name, table.names()));
     if (!recorded.recipe.emplace(entry, value.get<std::string>()).second)
       throw DataError("the recipe in " + file + " is broken: it has '" + inOneLine(name) + "' twice");
   }

@@ -7,7 +7,6 @@
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/recipe/option_name.h"
 
 #include "julia/detail.h"
 
@@ -147,7 +146,7 @@ ControlGrids controlsOf(const MapSettings& map, SharedTarget& shared, const Plac
   const std::pair share(-kRounding, 1 + kRounding);
   const std::pair any(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
   for (const MapControl& control : map.controls()) {
-    const std::string option = "--" + optionName(control.option);
+    const std::string option = "--" + control.option;
     if (control.kind == MapControl::Kind::Frequency) {
       const OctaveGrid octave = octaveOf(control.control, shared, target, voxel, monitor);
       grids[control.name] = {octave.grid, octave.space};

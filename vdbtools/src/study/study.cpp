@@ -20,7 +20,7 @@ using julia::Point;
 
 // Options of the job `fractal` that concern other maps and its checking. Those of its outputs have no effect on a
 // picture, and the others mean the same as there.
-constexpr const char* kNoOptions[] = {"map", "versor", "rational", "c", "exhaustive"};
+constexpr const char* kNoOptions[] = {"map", "texture", "rational", "c", "exhaustive"};
 
 constexpr std::size_t kVersorsAtOnce = 64;  ///< evaluated before the threads meet again
 

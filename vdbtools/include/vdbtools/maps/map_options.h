@@ -72,7 +72,7 @@ std::vector<OptionSpec> rootsOptions();
 /// Those of random roots alone: --texture-seed to --texture-radius.
 std::vector<OptionSpec> randomRootsOptions();
 julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader);
-/// @param fileOption  the option that names the roots: "versor", which may also be "random" or a texture's name, or
+/// @param fileOption  the option that names the roots: "texture", which may also be "random" or a texture's name, or
 ///                    "rational", always a file
 /// @throw std::invalid_argument  also for a name that no texture has
 RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption);

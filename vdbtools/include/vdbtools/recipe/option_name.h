@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file option_name.h
-/// What options are called where users see them. Recipes keep the names of the theory, whose *versor* is an artist's
-/// *texture*: the entry "versor-seed" is the option --texture-seed.
+/// The names that options had up to version 1.0, where recipes called the texture by its name in the papers, *versor*.
+/// Everything that reads names takes both; everything that writes them writes today's.
 #pragma once
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace vdbtools {
 
-/// The option for an entry of a recipe, without dashes in front: "texture-seed" for "versor-seed". All other entries
-/// are called like their options.
-std::string optionName(std::string_view entry);
-
-/// The same for each of several entries.
-std::vector<std::string> optionNames(std::vector<std::string> entries);
-
-/// The entry of a recipe for an option or for the entry itself: "versor-seed" for both names.
-std::string recipeEntry(std::string_view name);
+/// Today's name of an option: "texture-seed" for "versor-seed". All other names are returned as they are.
+std::string currentName(std::string_view name);
+/// The name that an option had before: "versor-seed" for "texture-seed".
+std::string formerName(std::string_view name);
 
 }  // namespace vdbtools

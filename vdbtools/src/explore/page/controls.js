@@ -6,10 +6,10 @@ import { lightAngles } from "./lighting.js";
 import { COLOURS } from "./renderer.js";
 import { button, choice, element, group, slider, text, tick } from "./widgets.js";
 
-const RANDOM_ROOTS = ["versor-seed", "versor-roots", "versor-powers", "versor-integer", "versor-placement", "versor-distance",
-  "versor-centre", "versor-radius"];
-const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "versor", ...RANDOM_ROOTS, "frequency", "versor-scale",
-  "versor-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
+const RANDOM_ROOTS = ["texture-seed", "texture-roots", "texture-powers", "texture-integer", "texture-placement", "texture-distance",
+  "texture-centre", "texture-radius"];
+const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "texture", ...RANDOM_ROOTS, "frequency", "texture-scale",
+  "texture-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
   "colour"];
 
 const OWN_RAMP = "#101820,#c0392b,#f7dc6f";
@@ -30,8 +30,6 @@ export class Options {
   has(name, recipe) { return this.byName.get(name)?.maps.includes(this.mapOf(recipe)) ?? false; }
   usual(name, recipe) { return name === "map" ? this.firstMap : this.byName.get(name)?.defaults?.[this.mapOf(recipe)]; }
   help(name) { return this.byName.get(name)?.help ?? ""; }
-  // The entry of a recipe that an option sets: "versor-seed" for "texture-seed".
-  entryOf(option) { return this.list.find((one) => one.option === option)?.name ?? option; }
 
   // Sets an option; what says the same in another way goes.
   set(recipe, name, value) {
@@ -46,19 +44,19 @@ export class Options {
 }
 
 export function isRandomVersor(recipe) {
-  return recipe.versor === "random" || (!recipe.versor && RANDOM_ROOTS.some((name) => name in recipe));
+  return recipe.texture === "random" || (!recipe.texture && RANDOM_ROOTS.some((name) => name in recipe));
 }
 
 // Takes a texture of the shelf, or random roots, and leaves nothing that only the one before could have.
 export function chooseTexture(page, recipe, name, seed) {
   for (const option of RANDOM_ROOTS) delete recipe[option];
-  page.options.set(recipe, "versor", name);
-  if (seed !== undefined) recipe["versor-seed"] = seed;
+  page.options.set(recipe, "texture", name);
+  if (seed !== undefined) recipe["texture-seed"] = seed;
   if (!followsThickness(page, recipe)) delete recipe.frequency;
 }
 
 export function variesBySeed({ options, start }, recipe) {
-  const name = recipe.versor ?? options.usual("versor", recipe);
+  const name = recipe.texture ?? options.usual("texture", recipe);
   return isRandomVersor(recipe) || start.textures.some((texture) => texture.varies && texture.name === name);
 }
 
@@ -67,15 +65,15 @@ export function variesBySeed({ options, start }, recipe) {
 export function setSeed(page, recipe, seed) {
   if (!isRandomVersor(recipe)) {
     if (!variesBySeed(page, recipe)) return chooseTexture(page, recipe, "random", seed);
-    recipe.versor ??= page.options.usual("versor", recipe);
+    recipe.texture ??= page.options.usual("texture", recipe);
   }
-  page.options.set(recipe, "versor-seed", seed);
+  page.options.set(recipe, "texture-seed", seed);
 }
 
 // Whether the texture is one whose detail is as fine as its target is thin.
 export function followsThickness({ options, start }, recipe) {
   if (isRandomVersor(recipe)) return false;
-  const name = recipe.versor ?? options.usual("versor", recipe);
+  const name = recipe.texture ?? options.usual("texture", recipe);
   return options.mapOf(recipe) === "shape-modulus" && start.textures.some((one) => one.followsThickness && one.name === name);
 }
 
@@ -86,7 +84,7 @@ export function makeControls(page) {
     updates.push(control.update);
     return control.element;
   };
-  const fallbacks = { iterations: "5", slice: "0", "versor-roots": "10", "versor-placement": "box", "versor-scale": "1", power: "8", "versor-seed": "1" };
+  const fallbacks = { iterations: "5", slice: "0", "texture-roots": "10", "texture-placement": "box", "texture-scale": "1", power: "8", "texture-seed": "1" };
   const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : fallbacks[name] ?? "");
   // A slider of an option.
   const number = (name, label, limits, live) => add(slider(store, {
@@ -160,8 +158,8 @@ export function makeControls(page) {
   }
 
   function rootPlaces() {
-    return [number("versor-scale", "Scale of the texture", { min: 0.2, max: 5, scale: "log" }),
-      ...vector("versor-translate", ["Move the roots X", "Move the roots Y", "Move the roots Z"], { min: -0.5, max: 0.5, step: 0.005 })];
+    return [number("texture-scale", "Scale of the texture", { min: 0.2, max: 5, scale: "log" }),
+      ...vector("texture-translate", ["Move the roots X", "Move the roots Y", "Move the roots Z"], { min: -0.5, max: 0.5, step: 0.005 })];
   }
 
   // The colour, its gradient and its range.
@@ -290,24 +288,24 @@ export function makeControls(page) {
       const tile = button("", () => choose(texture.name), { class: "tile", title: texture.description, "aria-pressed": "false" });
       tile.append(image, element("span", {}, texture.name));
       updates.push((state) => {
-        const usual = options.usual("versor", state.recipe) ?? "scales";
-        const now = isRandomVersor(state.recipe) ? "random" : state.recipe.versor ?? usual;
+        const usual = options.usual("texture", state.recipe) ?? "scales";
+        const now = isRandomVersor(state.recipe) ? "random" : state.recipe.texture ?? usual;
         tile.setAttribute("aria-pressed", String(now === texture.name));
       });
       return tile;
     });
     const seedBy = (by) => () => store.change((state) => {
-      setSeed(page, state.recipe, String(Math.max(0, Number(state.recipe["versor-seed"] ?? 1) + by)));
+      setSeed(page, state.recipe, String(Math.max(0, Number(state.recipe["texture-seed"] ?? 1) + by)));
     });
     const seed = add(slider(store, {
-      label: "Seed", name: "versor-seed", help: options.help("versor-seed"), min: 0, max: 200, step: 1, usual: usualOf("versor-seed"),
-      read: (state) => state.recipe["versor-seed"],
+      label: "Seed", name: "texture-seed", help: options.help("texture-seed"), min: 0, max: 200, step: 1, usual: usualOf("texture-seed"),
+      read: (state) => state.recipe["texture-seed"],
       write: (state, value) => {
-        if (value === undefined) options.set(state.recipe, "versor-seed", undefined);
+        if (value === undefined) options.set(state.recipe, "texture-seed", undefined);
         else setSeed(page, state.recipe, value);
       },
     }));
-    return [when((recipe) => options.has("versor", recipe),
+    return [when((recipe) => options.has("texture", recipe),
       element("div", { class: "shelf", role: "group", "aria-label": "Textures" }, ...tiles),
       when((recipe) => variesBySeed(page, recipe), seed,
         element("div", { class: "buttons" }, button("← previous seed", seedBy(-1)), button("next seed →", seedBy(1)))),
@@ -317,22 +315,22 @@ export function makeControls(page) {
   // What else there is to a texture.
   function rootControls() {
     const powers = (label, i) => add(slider(store, {
-      label, name: "versor-powers", help: options.help("versor-powers"), min: 1, max: 20, step: 1, usual: () => String([2, 11][i]),
-      read: (state) => state.recipe["versor-powers"]?.split(":")[i],
+      label, name: "texture-powers", help: options.help("texture-powers"), min: 1, max: 20, step: 1, usual: () => String([2, 11][i]),
+      read: (state) => state.recipe["texture-powers"]?.split(":")[i],
       write: (state, value) => {
-        if (value === undefined) return options.set(state.recipe, "versor-powers", undefined);
-        const range = (state.recipe["versor-powers"] ?? "2:11").split(":").map(Number);
+        if (value === undefined) return options.set(state.recipe, "texture-powers", undefined);
+        const range = (state.recipe["texture-powers"] ?? "2:11").split(":").map(Number);
         range[i] = Number(value);
-        options.set(state.recipe, "versor-powers", i === 0 ? `${range[0]}:${Math.max(...range)}` : `${Math.min(...range)}:${range[1]}`);
+        options.set(state.recipe, "texture-powers", i === 0 ? `${range[0]}:${Math.max(...range)}` : `${Math.min(...range)}:${range[1]}`);
       },
     }));
     const part = group("Scale and place of the texture",
-      when(isRandomVersor, number("versor-roots", "Roots", { min: 1, max: 60, step: 1 }), powers("Least power", 0), powers("Greatest power", 1),
-        flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed", ["box", "inside", "surface", "cluster"]),
-        when((recipe) => recipe["versor-placement"] === "surface", line("versor-distance", "How far from it")),
-        when((recipe) => recipe["versor-placement"] === "cluster", line("versor-centre", "Centre of the cluster"), line("versor-radius", "Its radius"))),
+      when(isRandomVersor, number("texture-roots", "Roots", { min: 1, max: 60, step: 1 }), powers("Least power", 0), powers("Greatest power", 1),
+        flag("texture-integer", "Whole powers"), chosen("texture-placement", "Placed", ["box", "inside", "surface", "cluster"]),
+        when((recipe) => recipe["texture-placement"] === "surface", line("texture-distance", "How far from it")),
+        when((recipe) => recipe["texture-placement"] === "cluster", line("texture-centre", "Centre of the cluster"), line("texture-radius", "Its radius"))),
       ...rootPlaces());
-    updates.push((state) => { part.hidden = !options.has("versor", state.recipe); });
+    updates.push((state) => { part.hidden = !options.has("texture", state.recipe); });
     return part;
   }
 
@@ -365,7 +363,7 @@ export function makeControls(page) {
       const own = others.filter((option) => option.group === name);
       if (own.length === 0) continue;
       const part = group(title, ...own.map((option) =>
-        when((recipe) => options.has(option.name, recipe), option.argument ? line(option.name, option.option) : flag(option.name, option.option))));
+        when((recipe) => options.has(option.name, recipe), option.argument ? line(option.name, option.name) : flag(option.name, option.name))));
       updates.push((state) => { part.hidden = !own.some((option) => options.has(option.name, state.recipe)); });
       all.push(part);
     }
@@ -379,18 +377,18 @@ export function makeControls(page) {
       for (const update of updates) update(state);
       found?.update();
     },
-    tell: tellBeside(list, options),
+    tell: tellBeside(list),
   };
 }
 
 // Says what the program refuses beside the control of the option that it names. about: of whom the words are; "" takes
 // them back.
-function tellBeside(list, options) {
+function tellBeside(list) {
   const told = new Map();
   return (about, words) => {
     told.get(about)?.remove();
     told.delete(about);
-    const option = /--([a-z][a-z0-9-]*)/.exec(words)?.[1], name = options.entryOf(option);
+    const name = /--([a-z][a-z0-9-]*)/.exec(words)?.[1];
     if (!name) return;
     const all = [...list.querySelectorAll(`.control[data-name="${name}"]`)], shown = all.filter((one) => !one.closest("[hidden]"));
     const place = shown.at(-1) ?? all.at(-1);

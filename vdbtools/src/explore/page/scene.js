@@ -111,7 +111,7 @@ const numbersIn = (text, count) => {
 
 // The parts of a recipe that the shaders can show before the server has made its scene; the rest waits. Each takes the value in
 // the recipe and the one that the scene was made of.
-export const LIVE_OPTIONS = ["iterations", "slice", "c", "power", "versor-scale", "versor-translate", "origin-shift"];
+export const LIVE_OPTIONS = ["iterations", "slice", "c", "power", "texture-scale", "texture-translate", "origin-shift"];
 
 // The numbers of the orbit under another recipe: those of the scene where the recipes agree.
 export function liveValues(scene, recipe) {
@@ -131,9 +131,9 @@ export function liveValues(scene, recipe) {
   if (differs("slice")) live.slice = given("slice", 0) || 0;
   if (differs("power") && Number.isFinite(given("power", 8))) live.power = given("power", 8);
   if (differs("c") && recipe.c && scene.constant) live.constant = numbersIn(recipe.c, 4) ?? live.constant;
-  if (differs("versor-scale") || differs("versor-translate")) {
+  if (differs("texture-scale") || differs("texture-translate")) {
     const at = (r) => ({
-      scale: Number(r["versor-scale"] ?? 1) || 1, move: numbersIn(r["versor-translate"] ?? "0,0,0", 3) ?? [0, 0, 0],
+      scale: Number(r["texture-scale"] ?? 1) || 1, move: numbersIn(r["texture-translate"] ?? "0,0,0", 3) ?? [0, 0, 0],
     });
     const from = at(scene.recipe), to = at(recipe), k = to.scale / from.scale;
     // The components that are not dropped hold the place.

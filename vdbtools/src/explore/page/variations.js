@@ -16,15 +16,15 @@ const numberOf = (text) => FREQUENCIES[text] ?? Number(text);
 // What can be varied, what matters most first. low, high: the whole range; log: each step multiplies; whole: whole
 // numbers only; isLive: the shaders show it without another scene.
 const VARIATIONS = [
-  { name: "versor", label: "Textures" },
+  { name: "texture", label: "Textures" },
   { name: EVERYTHING, label: "A little of everything" },
-  { name: "versor-seed", label: "Seeds", usual: 1 },
+  { name: "texture-seed", label: "Seeds", usual: 1 },
   { name: "frequency", label: "Frequency", usual: 2, low: 0.5, high: 6, log: true },
   { name: "detail", label: "Detail", usual: 0.3, low: 0.05, high: 0.8 },
   { name: "outward", label: "Outward", usual: 0.3, low: 0, high: 0.45 },
   { name: "alpha", label: "Alpha", usual: 40, low: 4, high: 300, log: true },
   { name: "colour", label: "Colours", isLive: true },
-  { name: "versor-scale", label: "Scale of the texture", usual: 1, low: 0.4, high: 4, log: true, isLive: true },
+  { name: "texture-scale", label: "Scale of the texture", usual: 1, low: 0.4, high: 4, log: true, isLive: true },
   { name: "slice", label: "Slice", usual: 0, low: -0.3, high: 0.3, isLive: true },
   { name: "iterations", label: "Iterations", usual: 5, low: 1, high: 16, whole: true, isLive: true },
   { name: "power", label: "Power", usual: 8, low: 2, high: 17, whole: true, isLive: true },
@@ -38,8 +38,8 @@ const LITTLES = [
   { name: "frequency", by: 0.6, low: 0.3, high: 8, log: true, usual: "2" },
   { name: "alpha", by: 0.8, low: 1, high: 400, log: true },
   { name: "beta", by: 0.04, low: -0.2, high: 0.2 },
-  { name: "versor-scale", by: 0.35, low: 0.2, high: 5, log: true, usual: "1", isLive: true },
-  { name: "versor-translate", by: 0.12, low: -0.5, high: 0.5, components: 3, usual: "0,0,0", isLive: true },
+  { name: "texture-scale", by: 0.35, low: 0.2, high: 5, log: true, usual: "1", isLive: true },
+  { name: "texture-translate", by: 0.12, low: -0.5, high: 0.5, components: 3, usual: "0,0,0", isLive: true },
   { name: "slice", by: 0.12, low: -1, high: 1, usual: "0", isLive: true },
   { name: "c", by: 0.12, low: -2, high: 2, components: 4, isLive: true },
   { name: "power", by: 1.5, low: 1.5, high: 16, usual: "8", isLive: true },
@@ -77,7 +77,7 @@ export class Variations {
   isShown(name) {
     const scene = this.page.scene();
     if (name === "power") return scene.map === "mandelbulb";
-    if (name === "versor-scale" || name === "versor-translate") return Boolean(scene.factors ?? scene.waves);
+    if (name === "texture-scale" || name === "texture-translate") return Boolean(scene.factors ?? scene.waves);
     if (name === "slice") return !["cross", "mandelbulb"].includes(scene.map);
     return name === "iterations" || name === "colour" || (name === "c" && Boolean(scene.constant) && scene.map !== "shape-modulus");
   }
@@ -110,15 +110,15 @@ export class Variations {
   around(name, recipe, { isAround = false, spread = 1 } = {}) {
     if (name === EVERYTHING) return this.neighbours(recipe, spread);
     const one = VARIATIONS.find((variation) => variation.name === name);
-    const texts = name === "versor" ? this.textures(recipe, isAround) : name === "colour" ? this.colours(recipe, isAround)
-      : name === "versor-seed" ? this.seeds(recipe, isAround) : this.values(one, recipe, isAround, spread);
+    const texts = name === "texture" ? this.textures(recipe, isAround) : name === "colour" ? this.colours(recipe, isAround)
+      : name === "texture-seed" ? this.seeds(recipe, isAround) : this.values(one, recipe, isAround, spread);
     return texts.map((text) => ({ label: text, recipe: this.with(name, recipe, text) }));
   }
 
   with(name, recipe, text) {
     const other = { ...recipe }, { options } = this.page;
-    if (name === "versor") chooseTexture(this.page, other, ...text.split(" "));
-    else if (name === "versor-seed") setSeed(this.page, other, text);
+    if (name === "texture") chooseTexture(this.page, other, ...text.split(" "));
+    else if (name === "texture-seed") setSeed(this.page, other, text);
     else if (name === "colour" && text === "clay") delete other.colour;
     else options.set(other, name, text);
     return other;
@@ -129,7 +129,7 @@ export class Variations {
     const { options, start } = this.page, names = start.textures.map((texture) => texture.name);
     for (let seed = 1; names.length <= CHOICES; ++seed) names.push(`random ${seed}`);
     if (!isAround) return names.slice(0, CHOICES);
-    const now = isRandomVersor(recipe) ? `random ${recipe["versor-seed"] ?? 1}` : recipe.versor ?? options.usual("versor", recipe);
+    const now = isRandomVersor(recipe) ? `random ${recipe["texture-seed"] ?? 1}` : recipe.texture ?? options.usual("texture", recipe);
     const at = Math.max(0, names.indexOf(now));
     return names.map((_, i) => names[(at + i) % names.length]).filter((name) => name !== now).slice(0, CHOICES);
   }
@@ -142,7 +142,7 @@ export class Variations {
   }
 
   seeds(recipe, isAround) {
-    const now = Number(recipe["versor-seed"] ?? 1) || 0, first = isAround ? now + 1 : Math.max(0, now - 3);
+    const now = Number(recipe["texture-seed"] ?? 1) || 0, first = isAround ? now + 1 : Math.max(0, now - 3);
     return Array.from({ length: CHOICES }, (_, i) => String(first + i));
   }
 
@@ -184,7 +184,7 @@ export class Variations {
         }).join(",");
         if (text === numbers.map((value) => tidied(value)).join(",")) return;
         this.page.options.set(other, little.name, text);
-        changed.push(`${little.name.replace("versor-", "")} ${text.replaceAll(",", " ")}`);
+        changed.push(`${little.name.replace("texture-", "")} ${text.replaceAll(",", " ")}`);
       });
       if (changed.length === 0 || known.has(recipeKey(other))) continue;
       known.add(recipeKey(other));
