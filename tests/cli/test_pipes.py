@@ -258,7 +258,7 @@ class Recipes(PipeTest):
             "version": {**good, "version": 2}, "command": {**good, "command": "fit"}, "none": {**good, "recipe": []},
             "unknown": {**good, "recipe": {**entries, "detial": "0.2"}}, "number": {**good, "recipe": {**entries, "iterations": 5}},
             "value": {**good, "recipe": {**entries, "iterations": "many"}},
-            "twice": {**good, "recipe": {**entries, "texture-seed": "1", "texture-seed": "2"}},
+            "twice": {**good, "recipe": {**entries, "versor-seed": "1", "texture-seed": "2"}},
         }
         for name, content in bad.items():
             self.write(f"{name}.json", json.dumps(content))
