@@ -387,7 +387,7 @@ uniform vec3 plain;
 uniform sampler2D before;           // the mean of the pictures so far
 uniform float share;                // of this one in the new mean
 
-// The cubes where the set is not: how many cubes away the nearest one is where it may be.
+// For each cube of a lattice, its distance, in cubes, from the nearest cube in which the set may lie.
 uniform sampler3D emptiness;
 uniform vec3 cubeOrigin, cubeSide;
 uniform ivec3 cubeCount;            // 0: there are none
