@@ -58,11 +58,11 @@ void tellEstimate(const char* what, const char* name, const vdbtools::farm::Esti
                   << amount(estimated.high, units) << ")\n";
 }
 
-/// Makes some of the tasks, each as a process of its own, as a farm would.
+/// Runs some of the tasks, each as a process of its own, as a farm would.
 std::vector<vdbtools::farm::SampledTask> makeSample(const CommandLine& line, const std::filesystem::path& folder,
                                                     const vdbtools::farm::TilePlan& plan, std::uint64_t count) {
   constexpr std::uint64_t kSeed = 1;
-  // With the hash that only the written one has.
+  // Read it again, because only the written manifest has its hash.
   const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(folder);
   const std::vector<std::uint64_t> indices = vdbtools::farm::sampleTasks(manifest.tasks.size(), count, kSeed);
   vdbtools::Monitor& monitor = line.progress();

@@ -37,7 +37,7 @@ constexpr Usage kSdfUsage = {
     "  juliavdb sdf bunny_sdf.vdb -o wide.vdb --band 30\n"
     "  juliavdb sdf walk.####.obj -o walk.####.vdb --frames 1-2 --resolution 60\n"};
 
-/// Makes the distances of one mesh. @param recipe  to be recorded
+/// Writes the distances of one mesh. @param recipe  the recipe to record
 void makeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const FrameRun& run) {
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(recipe);
   const std::optional<vdbtools::NvdbValues> nvdb = nvdbValues(line);

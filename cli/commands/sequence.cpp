@@ -28,7 +28,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-/// Whether all files of a frame hold its recipe.
+/// Whether all files of a frame record its recipe.
 bool isMade(const CommandLine& line, const FractalRun& run, std::span<const char* const> outputs) {
   return std::all_of(outputs.begin(), outputs.end(), [&](const char* option) {
     return !line.has(option) || vdbtools::holdsFractal(vdbtools::expandFrame(line.text(option), run.frame), run.recipe);
@@ -44,7 +44,7 @@ Failure failureOf(int frame) {
   return failure;
 }
 
-/// Refuses outputs of several frames that would have one name.
+/// Refuses outputs that would have the same name in several frames.
 void requirePlaces(const CommandLine& line, std::span<const char* const> outputs, std::size_t frames) {
   if (frames < 2) return;
   for (const char* option : outputs) {
@@ -146,7 +146,7 @@ bool copyFrame(const CommandLine& line, std::span<const char* const> outputs, in
   for (const char* option : given) {
     const std::string source = nameAt(option, from);
     std::ifstream content(source, std::ios::binary);
-    // What cannot be written is said by the commit.
+    // If this fails, the commit reports it.
     files.add(option, line.text(option), vdbtools::lowerExtension(source)).stream() << content.rdbuf();
     if (!content.is_open() || content.bad()) throw vdbtools::IoError("'" + source + "' cannot be read to copy it");
   }
@@ -158,7 +158,7 @@ bool copyFrame(const CommandLine& line, std::span<const char* const> outputs, in
 SequenceCounts makeFractals(const CommandLine& line, const vdbtools::farm::FrameRecipes& recipes,
                             std::span<const char* const> outputs, const FractalMaker& make) {
   const std::vector<int>& frames = recipes.frames();
-  std::optional<std::pair<vdbtools::Recipe, int>> before;  // the frame whose files are there
+  std::optional<std::pair<vdbtools::Recipe, int>> before;  // the previous frame
   bool areHeld = true;
   const SequenceCounts counts = makeSequence(line, frames, [&](std::size_t i, bool isLast, vdbtools::Monitor& monitor) {
     monitor.begin(vdbtools::PhaseKind::Checking, 0);
