@@ -25,7 +25,7 @@ namespace {
 
 const Command kCommands[] = {
     {"sdf", runSdf, "make a signed distance field (VDB) from a mesh"},
-    {"fractal", runFractal, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
+    {"fractal", runFractalCommand, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
     {"fit", runFit, "find a rational map whose Julia set has the shape of a mesh"},
     {"mesh", runMesh, "make a mesh from a VDB"},
     {"convert", runConvert, "write the grids of a VDB as NanoVDB"},

@@ -169,7 +169,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     tellCrumbs(*result.crumbs, scene.voxelSize, result.solid ? std::optional(result.solid->volume) : std::nullopt,
                !isFrame);
   if (result.islands)
-    report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
+    report().text() << ", " << result.islands->keptIslands << " of " << result.islands->islands << " islands kept";
   if (result.follow) report().text() << ", " << followText(*result.follow);
   report().text() << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
@@ -228,7 +228,7 @@ int makeFrames(const CommandLine& line) {
 
 }  // namespace
 
-int runFractal(const Arguments& arguments) {
+int runFractalCommand(const Arguments& arguments) {
   CommandLine line(kFractalUsage, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
       "mesh", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(

@@ -20,9 +20,9 @@ class CommandLine;
 /// The kinds of plans, which follow the word 'plan'.
 std::span<const Command> planKinds();
 
-int planTiles(const Arguments& arguments);
-int planFrames(const Arguments& arguments);
-int planSheet(const Arguments& arguments);
+int runPlanTiles(const Arguments& arguments);
+int runPlanFrames(const Arguments& arguments);
+int runPlanSheet(const Arguments& arguments);
 
 /// --key and --ease of 'plan frames' and 'fractal'.
 void addKeyOptions(CommandLine& line);

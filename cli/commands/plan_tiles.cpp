@@ -99,7 +99,7 @@ void tellEstimate(const vdbtools::farm::PlanEstimate& estimate) {
 
 }  // namespace
 
-int planTiles(const Arguments& arguments) {
+int runPlanTiles(const Arguments& arguments) {
   CommandLine line(kPlanTilesUsage, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("DIR"), "the folder of the plan, which is new or empty")(

@@ -124,9 +124,9 @@ void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& o
        << vdbtools::shortText(part.extents[1]) << " x " << vdbtools::shortText(part.extents[2]) << " mm, "
        << vdbtools::shortText(part.volume / kCubicCentimetre) << " cm3, " << part.mesh.triangles.size()
        << " triangles\n";
-  if (part.islands > part.kept || part.cavities > 0) {
-    text << "of " << counted(part.islands, "island", "islands") << ' ' << part.kept
-         << (part.kept == 1 ? " is kept; " : " are kept; ") << vdbtools::shortText(100 * part.droppedShare)
+  if (part.islands > part.keptIslands || part.cavities > 0) {
+    text << "of " << counted(part.islands, "island", "islands") << ' ' << part.keptIslands
+         << (part.keptIslands == 1 ? " is kept; " : " are kept; ") << vdbtools::shortText(100 * part.droppedShare)
          << " % of the volume is dropped";
     if (part.cavities > 0)
       text << ", and " << counted(part.cavities, "cavity", "cavities") << " of "

@@ -247,19 +247,19 @@ class Shooting {
       return kDone;
     }
     std::optional<std::size_t> before;
-    bool areHeld = true;
+    bool areEqual = true;
     const SequenceCounts counts =
         makeSequence(mLine, mFrames, [&](std::size_t i, bool isLast, vdbtools::Monitor& monitor) {
           monitor.throwIfCancelled();
-          const bool isHeld = before && mShots[i].isAs(mShots[*before]);
-          areHeld = areHeld && (isHeld || i == 0);
-          if (!isHeld || !copyFrame(mLine, kOnlyOutput, mFrames[*before], mFrames[i], isLast))
+          const bool isEqual = before && mShots[i].isAs(mShots[*before]);
+          areEqual = areEqual && (isEqual || i == 0);
+          if (!isEqual || !copyFrame(mLine, kOnlyOutput, mFrames[*before], mFrames[i], isLast))
             makeOne(i, layers[i], pictureOf, isLast, monitor);
           before = i;
           report().noteKept("finished frames are kept");
           return FrameOutcome::Made;
         });
-    if (areHeld) noteHeld(mFrames.size());
+    if (areEqual) noteEqualFrames(mFrames.size());
     return finishSequence(counts, /*keeps=*/false);
   }
 

@@ -43,10 +43,10 @@ void requireSequenceFits(const CommandLine& line);
 std::vector<int> framesOf(const CommandLine& line, std::span<const char* const> outputs);
 
 /// Reports that all frames are the same, if there are several.
-void noteHeld(std::size_t frames);
+void noteEqualFrames(std::size_t frames);
 
 struct SequenceCounts {
-  std::size_t frames = 0, kept = 0;
+  std::size_t frames = 0, keptFrames = 0;
   std::size_t failed = 0;
   std::string firstFailure;  ///< with the number of the frame; empty if no frame failed
   int failureCode = 0;

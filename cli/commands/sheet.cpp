@@ -136,13 +136,13 @@ int runSheet(const Arguments& arguments) {
   const std::vector<vdbtools::SheetCell>& cells = made.sheet.cells;
   const auto failed = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.error.empty(); });
   report().count("cells", cells.size());
-  report().count("keptCells", made.kept);
+  report().count("keptCells", made.reusedCells);
   report().count("failedCells", failed);
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (!cells[i].error.empty()) report().text() << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
   tellFiner(cells);
   report().text() << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns << " cells, "
-                  << made.kept << " of " << cells.size() << " cells kept\n";
+                  << made.reusedCells << " of " << cells.size() << " cells kept\n";
   return kDone;
 }
 

@@ -21,7 +21,7 @@ inline std::map<std::string, std::string> partFacts(const PartCounts& counts, Ho
   const auto add = [&facts](const char* name, std::size_t count) {
     if (count > 0) facts[name] = std::to_string(count);
   };
-  add(kUnitedParts, counts.united);
+  add(kUnitedParts, counts.intersecting);
   add(hollows == Hollows::Keep ? kHollowsKept : kHollowsFilled, counts.hollows);
   add(kInnerParts, counts.inner);
   return facts;

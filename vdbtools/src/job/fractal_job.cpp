@@ -144,8 +144,8 @@ FloatGrid::Ptr makeLevelSet(const Scene& scene, const FractalPlan& plan, const F
 }
 
 /// @param output  receives the mesh; nullptr: no mesh is requested
-void makeHeld(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
-              FractalResult& result, Monitor& monitor) {
+void makeInMemory(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
+                  FractalResult& result, Monitor& monitor) {
   const EvaluateFieldOptions evaluate = plan.grids.evaluation();
   const FieldSource source = scene.source(plan.nodes);
   const std::optional<FollowOptions>& follow = scene.options.lattice.follow;
@@ -185,7 +185,7 @@ FractalPlan planFractal(const Scene& scene, const FractalProducts& wanted) {
   // Distances are those to the mesh with its caps.
   const bool needsField = plan.grids.has(OutputGrid::LogModulus) || plan.grids.has(OutputGrid::Iterations) ||
                           (!plan.grids.empty() && plan.border == Border::Open);
-  if (needsField || dropsIslands(scene.options) || scene.options.lattice.follow) plan.way = FractalPlan::Way::Held;
+  if (needsField || dropsIslands(scene.options) || scene.options.lattice.follow) plan.way = FractalPlan::Way::InMemory;
   return plan;
 }
 
@@ -200,8 +200,8 @@ FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* 
   if (sink && offset != openvdb::Vec3d(0)) sink = &moved.emplace(offset, *sink);
   std::optional<MeshOutput> output;
   if (sink) output.emplace(scene, wanted, *sink, monitor);
-  if (plan.way == FractalPlan::Way::Held) {
-    makeHeld(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
+  if (plan.way == FractalPlan::Way::InMemory) {
+    makeInMemory(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
   } else if (output || !plan.grids.empty()) {
     makeStreamed(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
   }

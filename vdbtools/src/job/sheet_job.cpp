@@ -434,7 +434,7 @@ SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& fo
     if (cell.failure) continue;
     cell.png = finished.find(fileNameOf(cell));
     if (single.setPicture(0, cell.png)) {
-      ++page.kept;
+      ++page.reusedCells;
     } else {
       cell.png.clear();
       missing.push_back(&cell);

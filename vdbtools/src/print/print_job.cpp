@@ -284,7 +284,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
   part.extents = boxOf(solid).extents();
   const std::vector<double> volumes = shellsOf(solid).volumes;
   part.volume = std::accumulate(volumes.begin(), volumes.end(), 0.);
-  part.kept = volumes.size();
+  part.keptIslands = volumes.size();
   const double voxel = part.voxelSize > 0 ? part.voxelSize : options.size / 1000;
   part.baseArea = baseAreaOf(solid, voxel / 100);
 

@@ -33,7 +33,8 @@ struct MeshToSdfOptions {
 /// How many parts of a mesh touch, intersect or enclose each other. A part is a set of triangles connected across
 /// edges.
 struct PartCounts {
-  std::size_t united = 0;   ///< parts that intersect or touch each other; a part that intersects itself counts, too
+  std::size_t intersecting =
+      0;                    ///< parts that intersect or touch each other; a part that intersects itself counts, too
   std::size_t hollows = 0;  ///< surfaces that bound cavities, whether these are filled or kept
   std::size_t inner = 0;    ///< surfaces within others that bound nothing, and parts there that are not closed
   bool operator==(const PartCounts&) const = default;

@@ -35,8 +35,8 @@ struct FractalProducts {
 struct FractalPlan {
   enum class Way {
     Streamed,  ///< mesh and level set are made layer by layer, and the field is not held in memory
-    Held,  ///< the field is held in memory: if grids of it are made, islands are found, the surface is followed, or a
-           ///< box cuts it open
+    InMemory,  ///< the field is held in memory: if grids of it are made, islands are found, the surface is followed, or
+               ///< a box cuts it open
   };
 
   FieldPlan nodes;

@@ -66,9 +66,9 @@ struct LongWork {
 };
 
 struct SheetPage {
-  Sheet sheet;           ///< has the errors of all cells that failed
-  std::string picture;   ///< the page, as a PNG
-  std::size_t kept = 0;  ///< number of cells that were taken from the folder
+  Sheet sheet;                  ///< has the errors of all cells that failed
+  std::string picture;          ///< the page, as a PNG
+  std::size_t reusedCells = 0;  ///< number of cells that were taken from the folder
 };
 
 /// Makes the pictures and puts them on a page. A cell that cannot be made, or whose picture shows nothing of its set,

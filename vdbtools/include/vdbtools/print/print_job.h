@@ -38,7 +38,7 @@ struct PrintedPart {
   double volume = 0;                ///< millimetres cubed
   double scale = 1;                 ///< millimetres per unit of the given mesh
   std::uint64_t islands = 0;        ///< number of islands of the given mesh
-  std::uint64_t kept = 0;
+  std::uint64_t keptIslands = 0;
   double droppedShare = 0;       ///< the dropped share of their volume
   std::uint64_t cavities = 0;    ///< number of cavities that were filled
   double cavityShare = 0;        ///< their share in the volume of the islands
