@@ -16,8 +16,8 @@ namespace cli {
 /// @throw vdbtools::IoError  it cannot be started
 int runThisProgram(const std::vector<std::string>& words, const std::function<bool()>& cancelled);
 
-/// Runs another program, in a process group of its own, and waits for it. From then on a request to stop this process
-/// is passed on to that group (holdSignals()), and the group's end tells the result.
+/// Runs another program, in a process group of its own, and waits for it. A request to stop this process is from now on
+/// forwarded to that group (holdSignals()), and the end of the group determines the result.
 /// @param words  its path, and the words of its command line
 /// @return its exit code; 128 and the signal's number if a signal ended it
 /// @throw vdbtools::IoError  it cannot be started

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file gravest_code.h
-/// The exit code of a command whose tasks have failed with several.
+/// Chooses the exit code of a command whose tasks have failed with several codes.
 #pragma once
 
 #include "exit_code.h"
@@ -9,7 +9,7 @@
 
 namespace cli {
 
-/// First what will fail again in the same way, and last what may not.
+/// Failures that will occur again in the same way come first, and those that may not occur again come last.
 inline int gravestCode(const std::set<int>& codes) {
   for (const int code : {kInternal, kUsage, kBadData, kNoInput, kCannotCreate, kInputOutput})
     if (codes.contains(code)) return code;

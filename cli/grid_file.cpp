@@ -29,7 +29,7 @@ std::optional<vdbtools::NvdbValues> nvdbValues(const CommandLine& line) {
   }
   if (!vdbtools::canWriteNvdb()) {
     std::ostringstream nothing;
-    vdbtools::writeNvdb(nothing, {}, {});  // says so
+    vdbtools::writeNvdb(nothing, {}, {});  // throws the error for a build without NanoVDB
   }
   if (line.given().contains("half"))
     throw std::invalid_argument("--half is for a .vdb; --nvdb-bits 16 stores 16 bits in a .nvdb");

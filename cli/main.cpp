@@ -25,7 +25,7 @@ namespace {
 
 const Command kCommands[] = {
     {"sdf", runSdf, "make a signed distance field (VDB) from a mesh"},
-    {"fractal", runFractal, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
+    {"fractal", runFractalCommand, "make a fractal (VDB, mesh) from a mesh or a signed distance field"},
     {"fit", runFit, "find a rational map whose Julia set has the shape of a mesh"},
     {"mesh", runMesh, "make a mesh from a VDB"},
     {"convert", runConvert, "write the grids of a VDB as NanoVDB"},
@@ -113,7 +113,7 @@ int run(const Arguments& arguments) {
   refuseCommand(name);
 }
 
-/// One line, whatever the text held.
+/// Reports a failure in one line, even if the text has several.
 int fail(int code, std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
@@ -122,7 +122,7 @@ int fail(int code, std::string text) {
   return code;
 }
 
-/// Of the exception that is being handled. Memory may be so short that not even that can be told.
+/// Reports the exception that is being handled. Memory may be too short even for that.
 int failNow() noexcept {
   try {
     const Failure failure = currentFailure();
@@ -134,7 +134,7 @@ int failNow() noexcept {
   }
 }
 
-/// Whether the words ask for JSON, before the command's own reading of them, which may fail.
+/// Whether the words ask for JSON. It is found out before the command parses them, which may fail.
 bool wantsJson(const Arguments& arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i] == "--progress=json") return true;
@@ -143,7 +143,7 @@ bool wantsJson(const Arguments& arguments) {
   return false;
 }
 
-/// Data on stdout is an output like any other: it must have arrived.
+/// Data on the standard output is an output like any other, so it must have been written.
 int finish(int code) {
   std::cout.flush();
   if (code == kDone && !std::cout) return fail(kInputOutput, "writing to the standard output failed");

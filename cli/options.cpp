@@ -326,7 +326,7 @@ std::vector<std::string> CommandLine::wordsOf(const std::string& name) const {
 
 vdbtools::InputFiles CommandLine::inputs() const {
   vdbtools::InputFiles inputs;
-  // "sheet.json#7" is a cell in a file of another name.
+  // "sheet.json#7" names a cell in the file "sheet.json".
   const auto add = [&](const std::string& name) {
     inputs.add(name);
     if (vdbtools::isSheetCell(name)) inputs.add(vdbtools::sheetOfCell(name));
@@ -359,7 +359,7 @@ void CommandLine::readConfig(const std::string& file) {
     base = std::move(recipe);
     mConfigHolder = file;
   } else {
-    // Read as a whole, so that a file that cannot be read to its end is not taken for a shorter one.
+    // The file is read whole, so that one that cannot be read to its end is not taken for a shorter one.
     const std::string list = vdbtools::readWholeFile(file);
     if (list.find('\0') != std::string::npos)
       throw vdbtools::DataError("'" + file +
@@ -399,7 +399,7 @@ void CommandLine::applyInstructions() const {
 
 void CommandLine::applyDevice() const {
   if (!has("device")) return;
-  // Each sentence once, however many fields it holds for.
+  // Each sentence is printed once, however many fields it concerns.
   const auto said = std::make_shared<std::set<std::string>>();
   const auto mutex = std::make_shared<std::mutex>();
   const auto say = [said, mutex](const std::string& sentence) {

@@ -22,9 +22,9 @@
 
 namespace cli {
 
-/// What a command says about itself.
+/// The description of a command.
 struct Usage {
-  const char* command;   ///< as in "fractal"
+  const char* command;   ///< the command's name, such as "fractal"
   const char* synopsis;  ///< what follows "juliavdb fractal"
   const char* description;
   const char* examples;  ///< lines that work as they stand, given the files they name
@@ -48,7 +48,7 @@ class CommandLine {
   /// Adds a positional argument that is not part of a recipe; @a count -1 takes all that follow.
   void addPositional(const char* name, int count, const char* help);
 
-  /// Takes an option by the name that it had in earlier versions, too. Help does not show it.
+  /// Accepts an option by the name that it had in earlier versions, too. Help does not show that name.
   void addFormerName(const std::string& former, const std::string& now) { mFormerNames[former] = now; }
 
   /// Lets the positional argument "input" be "-", the standard input. parse() then stores it
@@ -116,7 +116,7 @@ class CommandLine {
   };
   std::vector<Group> groups() const;
 
-  /// Options by the names that they have now: --versor-seed is --texture-seed.
+  /// Replaces former names of options by their current ones: --versor-seed becomes --texture-seed.
   Arguments renamed(Arguments arguments, const boost::program_options::options_description& all) const;
   /// Finds words that boost would misread: an option without its value, an option that does not exist.
   void checkWords(const Arguments& arguments, const boost::program_options::options_description& all) const;

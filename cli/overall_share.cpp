@@ -14,7 +14,7 @@ using vdbtools::PhaseKind;
 
 // Constants of the compiler: an allocation that fails before main() could not be reported.
 
-/// The phases that make a target and its exponent, and then others.
+/// Combines the phases that make a target and its exponent with further ones.
 template <std::size_t N>
 constexpr std::array<PhaseWeight, N + 8> scenePhases(const PhaseWeight (&others)[N]) {
   std::array<PhaseWeight, N + 8> phases = {{{PhaseKind::Reading, 2},
@@ -67,7 +67,7 @@ constexpr auto kSlice = scenePhases({{PhaseKind::Slice, 20}, {PhaseKind::Writing
 constexpr auto kStudy = scenePhases(
     {{PhaseKind::Distances, 5}, {PhaseKind::FirstVersor, 2}, {PhaseKind::Versors, 60}, {PhaseKind::Writing, 2}});
 constexpr auto kRender = scenePhases({{PhaseKind::RayTree, 5}, {PhaseKind::Render, 60}, {PhaseKind::Writing, 2}});
-/// Of a cell; one that shows the field has only the last of these.
+/// For one cell; a cell that shows the field has only the last of these.
 constexpr auto kSheet = scenePhases({{PhaseKind::Proofs, 5},
                                      {PhaseKind::Field, 15},
                                      {PhaseKind::Islands, 3},

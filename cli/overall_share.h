@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file overall_share.h
-/// How much of a whole command is done, from the phases that it goes through. A command's phases have rough weights,
-/// their usual parts of its time; a phase that does not take place leaves the account as soon as a later one begins.
+/// Estimates how much of a whole command is done, from the phases that it goes through. Each phase of a command has a
+/// rough weight, its usual part of the command's time. A phase that is skipped is no longer counted once a later one
+/// begins.
 #pragma once
 
 #include "vdbtools/base/phase.h"
@@ -17,7 +18,8 @@ struct PhaseWeight {
   double weight;
 };
 
-/// The phases of a command in their order; of one that has none, the list is empty. @param command  as in "fractal"
+/// The phases of a command in their order, with their weights; empty for a command without phases. @param command  its
+/// name, such as "fractal"
 std::span<const PhaseWeight> phasesOf(std::string_view command);
 
 class OverallShare {
@@ -25,19 +27,21 @@ class OverallShare {
   /// @param phases  must outlive this
   explicit OverallShare(std::span<const PhaseWeight> phases) : mPhases(phases) {}
 
-  /// @param phase  may be that of a piece of the work, by a NumberedMonitor; pieces count as equal
+  /// @param phase  if it belongs to one of several pieces of the work (NumberedMonitor), all pieces count equally
   void begin(const vdbtools::Phase& phase);
 
-  /// From 0 to 1, and never less than before. @param fraction  of the phase at hand that is done, from 0 to 1
+  /// The share of the command that is done, from 0 to 1; it never decreases. @param fraction  the done part of the
+  /// current phase, from 0 to 1
   double at(double fraction);
 
  private:
   double ofPiece(double fraction) const;
 
   std::span<const PhaseWeight> mPhases;
-  std::size_t mNext = 0;                ///< the phase after the one at hand
-  double mDone = 0, mWeight = 0;        ///< of the phases before, and of the one at hand
-  std::size_t mNumber = 0, mCount = 0;  ///< of the piece, from 1; 0 where there are no pieces
+  std::size_t mNext = 0;          ///< index of the phase after the current one
+  double mDone = 0, mWeight = 0;  ///< weights of the earlier phases, and of the current one
+  std::size_t mNumber = 0,
+              mCount = 0;  ///< number of the current piece, from 1, and of all pieces; 0 where there are no pieces
   double mBeforePieces = 0;
   double mShare = 0;
 };

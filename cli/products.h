@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file products.h
-/// The products that the files of a fractal are in the rules of its options.
+/// Determines the products, in the terms of the rules of a fractal's options, that files have.
 #pragma once
 
 #include "vdbtools/recipe/option_table.h"

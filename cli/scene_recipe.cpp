@@ -21,7 +21,7 @@ constexpr const char* kSearchHelp =
 
 struct SceneRecipe {
   vdbtools::Recipe given;
-  std::filesystem::path holder;  ///< of the file that holds it; empty: it was typed
+  std::filesystem::path holder;  ///< the file that contains it; empty: it was typed
 };
 
 SceneRecipe sceneRecipeFor(const CommandLine& line, const std::string& input) {

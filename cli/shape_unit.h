@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file shape_unit.h
-/// The option --units of commands that work on a file of a shape and do not have the options of a fractal.
+/// The option --units of commands that work on the file of a shape but do not have the options of a fractal.
 #pragma once
 
 #include "vdbtools/base/length_unit.h"
@@ -14,7 +14,7 @@ class CommandLine;
 
 void addUnitsOption(CommandLine& line);
 
-/// The unit of the coordinates in the file @a input: the one that it names itself, or else that of --units.
+/// The unit of the coordinates in the file @a input: the one that it records, or else that of --units.
 /// @throw std::invalid_argument  --units is no unit, or another one than the file's
 std::optional<vdbtools::LengthUnit> unitOf(const CommandLine& line, const std::string& input);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file target_text.h
-/// What a user should know of how the target was read.
+/// Reports to the user how the target was read.
 #pragma once
 
 #include <map>

@@ -12,7 +12,7 @@ namespace cli {
 using Arguments = std::vector<std::string>;
 
 int runSdf(const Arguments& arguments);
-int runFractal(const Arguments& arguments);
+int runFractalCommand(const Arguments& arguments);
 int runMerge(const Arguments& arguments);
 int runMesh(const Arguments& arguments);
 int runFit(const Arguments& arguments);

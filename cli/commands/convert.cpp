@@ -34,7 +34,7 @@ constexpr Usage kConvertUsage = {
     "  juliavdb convert bunny.vdb -o blender.vdb --grid-names blender,surface=shape\n"
     "  juliavdb convert grow.####.vdb -o grow.####.nvdb --frames 1-2\n"};
 
-/// What a VDB says, in one whose grids have other names.
+/// The options with which a VDB is written again, with other names of its grids.
 vdbtools::VdbWriteOptions writeOptions(const vdbtools::VdbFile& vdb, const vdbtools::GridNames& names) {
   vdbtools::VdbWriteOptions write{.metadata = vdb.metadata, .names = names};
   write.half = std::ranges::all_of(vdb.grids, [](const auto& grid) { return grid->saveFloatAsHalf(); });
@@ -47,7 +47,7 @@ vdbtools::VdbWriteOptions writeOptions(const vdbtools::VdbFile& vdb, const vdbto
   return write;
 }
 
-/// @throw std::invalid_argument  there are grids that cannot be written again
+/// @throw std::invalid_argument  a grid cannot be written again
 void requireWritable(const vdbtools::VdbFile& vdb, const std::string& input) {
   for (const auto& grid : vdb.grids)
     if (grid->valueType() == "ptdataidx32")
@@ -55,7 +55,7 @@ void requireWritable(const vdbtools::VdbFile& vdb, const std::string& input) {
                                   "', which this program does not convert; make them again with 'juliavdb points'");
 }
 
-/// @param values  of a NanoVDB file; none: a VDB is written
+/// @param values  of a NanoVDB file; empty: a VDB is written
 void convertVdb(const CommandLine& line, const std::string& input, std::optional<vdbtools::NvdbValues> values,
                 const FrameRun& run) {
   std::ostream& file = run.outputs.add("output", line.text("output"), kGridExtensions).stream();

@@ -36,7 +36,7 @@ constexpr Usage kExploreUsage = {
     "  juliavdb explore bunny.obj --texture-seed 7 --export look.html\n",
     "fractal"};
 
-/// Shares by the weights of 'juliavdb fractal'.
+/// Estimates the progress of a job by the weights of 'juliavdb fractal'.
 class FractalShare final : public vdbtools::explore::WorkShare {
  public:
   FractalShare() { mShare.begin(vdbtools::PhaseKind::Reading); }
@@ -47,13 +47,13 @@ class FractalShare final : public vdbtools::explore::WorkShare {
   OverallShare mShare{phasesOf("fractal")};
 };
 
-/// Cancels once the program is to end.
+/// Cancels the work when the program has to end.
 class UntilInterrupted final : public vdbtools::Monitor {
  public:
   bool cancelled() const override { return interrupted(); }
 };
 
-/// Shows the page in the user's browser, if there is one.
+/// Opens the page in the user's browser, if there is one.
 void openBrowser(const std::string& url) {
   std::string program = "xdg-open", address = url;
   char* const arguments[] = {program.data(), address.data(), nullptr};
@@ -61,7 +61,7 @@ void openBrowser(const std::string& url) {
   ::posix_spawn_file_actions_init(&actions);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     ::posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
-  // This program blocks the signals that end it, and its children would inherit that. Ctrl-C is not for the browser.
+  // Children would inherit the blocking of the signals that end this program. Ctrl-C must not reach the browser.
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
   sigset_t none;

@@ -53,7 +53,7 @@ std::string rangeText(const std::pair<double, double>& range) {
   return low == high ? low : low + " to " + high;
 }
 
-/// What was chosen for the target: "origin at ..., detail 0.25: alpha 19 to 319".
+/// The values that were chosen for the target: "origin at ..., detail 0.25: alpha 19 to 319".
 std::string choiceText(const vdbtools::Scene& scene) {
   const openvdb::Vec3d at = scene.placed.unmoved.centre;
   std::string text = "origin at " + vdbtools::shortText(at[0]) + "," + vdbtools::shortText(at[1]) + "," +
@@ -62,12 +62,12 @@ std::string choiceText(const vdbtools::Scene& scene) {
   return text + "alpha " + rangeText(scene.exponent()->alphaRange) + ", beta " + rangeText(scene.exponent()->betaRange);
 }
 
-/// What is left of the target: a sentence, and whether that is little.
-/// @param onlyIfLittle  nothing is said otherwise
+/// Reports how much of the target is left, with a warning if that is little.
+/// @param onlyIfLittle  reports nothing otherwise
 void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& solid, bool onlyIfLittle) {
   const std::optional<openvdb::BBoxd>& box = scene.options.lattice.box;
   const double there = box ? vdbtools::insideVolume(*scene.target->distances.phi, *box) : scene.target->volume;
-  if (!(there > 0)) return;  // a box beside the target, which only detail reaches into
+  if (!(there > 0)) return;  // the box lies beside the target, and only detail reaches into it
   const double share = 100 * solid.volume / there, largest = 100 * solid.shareOfLargest(1);
   const std::size_t islands = solid.islands.size();
   constexpr double kLittle = 50;  // percent
@@ -92,7 +92,7 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
-/// What was left out, in a sentence.
+/// A sentence about the part of the surface that may be missing.
 std::string followText(const vdbtools::FollowReport& report) {
   std::ostringstream text;
   const double visited = 100.0 * static_cast<double>(report.visitedBlocks) / static_cast<double>(report.shellBlocks);
@@ -109,7 +109,8 @@ struct FractalCounts {
   std::uint64_t evaluatedNodes = 0, triangles = 0;
 };
 
-/// The shares of the surface where something is finer than two voxels, 0 to 1, and the resolution that was chosen.
+/// Adds to the report the shares of the surface where something is finer than two voxels, 0 to 1, and the chosen
+/// resolution.
 void countFiner(const vdbtools::Scene& scene) {
   if (!scene.features()) return;
   const vdbtools::VoxelAdvice advice = vdbtools::adviseVoxels(*scene.features(), scene.voxelSize);
@@ -118,7 +119,7 @@ void countFiner(const vdbtools::Scene& scene) {
   if (scene.chosenResolution) report().count("resolution", scene.chosenResolution->resolution);
 }
 
-/// What is finer than the voxels, or than floats. @return whether there was something to say
+/// Reports what is finer than the voxels, or than floats. @return whether there was anything to report
 bool tellWhatIsFiner(const vdbtools::Scene& scene) {
   bool any = false;
   for (const std::string& words : {vdbtools::finerThanVoxelsText(scene), vdbtools::coarseFloatsText(scene)}) {
@@ -129,8 +130,8 @@ bool tellWhatIsFiner(const vdbtools::Scene& scene) {
   return any;
 }
 
-/// Makes the files of one fractal and says so; of a frame briefly.
-/// @param saysFiner  whether it is to say what is finer than the voxels; false once it has
+/// Makes the files of one fractal and reports them, briefly for a frame.
+/// @param saysFiner  whether to report what is finer than the voxels; set to false once that was reported
 FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtools::SceneMaker& maker, bool& saysFiner,
                           vdbtools::Monitor& progress) {
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
@@ -168,7 +169,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     tellCrumbs(*result.crumbs, scene.voxelSize, result.solid ? std::optional(result.solid->volume) : std::nullopt,
                !isFrame);
   if (result.islands)
-    report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
+    report().text() << ", " << result.islands->keptIslands << " of " << result.islands->islands << " islands kept";
   if (result.follow) report().text() << ", " << followText(*result.follow);
   report().text() << ", " << result.evaluatedNodes << " nodes evaluated";
   if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
@@ -189,7 +190,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
     report().text() << chosen << '\n';
   if (const std::string chosen = vdbtools::chosenSdfResolutionText(scene); !chosen.empty() && !isFrame)
     report().text() << chosen << '\n';
-  // Of a sequence once: its frames are much alike.
+  // This advice is given once for a sequence, because its frames are much alike.
   saysFiner = saysFiner && !tellWhatIsFiner(scene);
   if (scene.exponent()) {
     if (!isFrame) report().text() << choiceText(scene) << '\n';
@@ -200,10 +201,10 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtoo
   return counts;
 }
 
-/// The frames of a sequence, those left out that are there already.
+/// Makes the frames of a sequence, except those that exist already.
 int makeFrames(const CommandLine& line) {
   vdbtools::farm::FramePlanOptions options = parseFrameOptions(line, framesOf(line, kOutputOptions), productsOf(line));
-  // The options and places of all frames are checked before the first of them is looked at.
+  // The options and the paths of all frames are checked before the first frame is made.
   {
     const vdbtools::farm::FrameRecipes asked(options);
     requireFramePlaces(line, asked.inputs(), kOutputOptions, asked.frames());
@@ -227,7 +228,7 @@ int makeFrames(const CommandLine& line) {
 
 }  // namespace
 
-int runFractal(const Arguments& arguments) {
+int runFractalCommand(const Arguments& arguments) {
   CommandLine line(kFractalUsage, vdbtools::fractalOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
       "mesh", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(

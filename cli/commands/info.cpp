@@ -58,7 +58,7 @@ Json recipeOf(const std::map<std::string, std::string>& metadata) {
   return result;
 }
 
-/// What a closed mesh is as a target: its parts and, if @a wantShape, its deepest point and its thickness.
+/// Describes a closed mesh as a target: its parts and, if @a wantShape, its deepest point and its thickness.
 void addSolidInfo(const vdbtools::Mesh& mesh, const vdbtools::MeshReport& report, bool wantShape, Json& info) {
   const vdbtools::SolidMeasure solid = vdbtools::measureSolid(mesh);
   constexpr std::size_t kMostShares = 8;
@@ -75,7 +75,7 @@ void addSolidInfo(const vdbtools::Mesh& mesh, const vdbtools::MeshReport& report
   info["local thickness"] = Json{shape->leastThickness, shape->greatestThickness};
 }
 
-/// What a file says besides its surface, as far as there is any.
+/// Lists what a file contains besides its surface.
 void addParts(const vdbtools::Mesh& mesh, const std::string& path, Json& info) {
   if (const auto unit = vdbtools::unitOfFile(path)) info["unit"] = nameOf(*unit);
   if (!mesh.attributes.empty()) {
@@ -122,7 +122,7 @@ Json surfaceInfo(const std::string& path) {
             {"volume", report.volume}};
   addParts(mesh, path, info);
   const Json recipe = recipeOf(vdbtools::readMeshComments(path));
-  // What this program made is seldom a target again, and its thickness would take long to find.
+  // A fractal of this program is seldom a target again, and finding its thickness would take long.
   if (report.closed()) addSolidInfo(mesh, report, recipe.is_null(), info);
   if (!recipe.is_null()) info["recipe"] = recipe;
   return info;
@@ -174,7 +174,7 @@ Json vdbInfo(const std::string& path) {
   Json rest = Json::object();
   for (const auto& [name, value] : file.metadata)
     if (!info.contains("recipe") || !name.starts_with("julia_")) rest[name] = value;
-  // Facts that the program found out are no options, and worth seeing; the roots themselves are for 'versor inspect'.
+  // Facts that the program found are not options, but worth showing. The roots themselves are left to 'versor inspect'.
   for (const char* fact :
        {"julia_version",         vdbtools::kUpAxis,      vdbtools::kLengthUnit,  "julia_target_box",
         "julia_space_centre",    "julia_space_scale",    "julia_shell",          "julia_repair_moved",
@@ -251,8 +251,8 @@ Json infoOf(const std::string& path) {
   return meshInfo(path);
 }
 
-/// A number as people read it. Places have the digits that tell points apart far from the origin; --json has all
-/// digits.
+/// A number for people. Positions have as many digits as it takes to tell points apart far from the origin; --json has
+/// all digits.
 std::string numberText(double value, bool isPlace) {
   constexpr int kDigits = 6, kDigitsOfPlaces = 12;
   char digits[32];

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The manual pages and the completion of a shell. Each command describes itself; here its descriptions are put
-// together.
+// Manual pages, and the completion of shells. Each command describes itself; this file puts the descriptions together.
 #include "commands.h"
 
 #include "describe.h"
@@ -61,7 +60,7 @@ constexpr std::pair<const char*, const char*> kVariables[] = {
     {"PARALLEL_SEQ", "the number of the task, outside of Slurm"},
 };
 
-/// All commands and the parts of those that have some, by what is typed: "fractal", "plan", "plan frames".
+/// All commands, and the parts of those that have parts, by the words that are typed: "fractal", "plan", "plan frames".
 std::vector<std::pair<std::string, const Command*>> allCommands() {
   std::vector<std::pair<std::string, const Command*>> all;
   for (const Command& command : commands()) {
@@ -71,7 +70,7 @@ std::vector<std::pair<std::string, const Command*>> allCommands() {
   return all;
 }
 
-/// What a command prints where it is asked to describe itself.
+/// The text that a command prints when it is asked to describe itself.
 std::string described(const Command& command, const char* how) {
   std::ostringstream text;
   std::streambuf* const before = std::cout.rdbuf(text.rdbuf());

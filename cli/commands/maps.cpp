@@ -24,7 +24,7 @@ constexpr Usage kMapsUsage = {
     "  juliavdb maps\n"
     "  juliavdb maps --markdown\n"};
 
-/// A recipe holds what a fractal is, and not where its files go: none of its options makes a program write.
+/// A recipe describes a fractal and not where its files go, so none of its options makes a program write.
 nlohmann::json recipeData(const vdbtools::MapRegistry& maps) {
   nlohmann::json data{{"maps", nlohmann::json::array()}, {"options", nlohmann::json::array()}};
   for (const auto& map : maps.maps()) data["maps"].push_back(map->name());

@@ -61,7 +61,7 @@ int runMerge(const Arguments& arguments) {
   if (result.bandVoxels > 0) report().text() << ", " << result.bandVoxels << " voxels in the band";
   if (result.crumbs) tellCrumbs(*result.crumbs, manifest.lattice.value().voxelSize, std::nullopt);
   if (result.islands)
-    report().text() << ", " << result.islands->kept << " of " << result.islands->islands << " islands kept";
+    report().text() << ", " << result.islands->keptIslands << " of " << result.islands->islands << " islands kept";
   report().text() << '\n';
   const std::vector<vdbtools::VertexColumn> columns =
       vdbtools::meshColumns(vdbtools::parseFractalOptions(manifest.recipe).output.attributes);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file merge_request.h
-/// The parts of a plan that 'merge' puts together, and that 'submit' passes on to it.
+/// The files that 'merge' makes from a plan, and that 'submit' asks it for.
 #pragma once
 
 #include "options.h"
@@ -16,8 +16,9 @@ namespace cli {
 
 struct MergeRequest {
   vdbtools::farm::MergeOptions files;
-  std::optional<std::filesystem::path> index;   ///< instead: the tiles as files of their own, and this list of them
-  std::optional<std::filesystem::path> counts;  ///< instead, of a plan that counts: the sums
+  std::optional<std::filesystem::path>
+      index;  ///< instead of these: the tiles as files of their own, and this list of them
+  std::optional<std::filesystem::path> counts;  ///< instead, for a plan that counts: the sums
 
   bool empty() const { return !index && !counts && !files.vdb && !files.mesh; }
 };
@@ -33,7 +34,7 @@ MergeRequest parseMergeRequest(const CommandLine& line);
 void requireMergeable(const std::filesystem::path& folder, const vdbtools::farm::Manifest& manifest,
                       const MergeRequest& request);
 
-/// The words for 'juliavdb merge DIR', with the names that the files have from everywhere.
+/// The words for 'juliavdb merge DIR', with file names that are valid in any folder.
 std::vector<std::string> mergeWords(const CommandLine& line);
 
 }  // namespace cli

@@ -37,12 +37,12 @@ constexpr Usage kMeshUsage = {"mesh", "F.vdb -o F.ply [--from-grid] [options]",
                               "  juliavdb mesh bunny.vdb -o blocky.obj --from-grid\n"
                               "  juliavdb mesh grow.####.vdb -o grow.####.ply --frames 1-2\n"};
 
-/// The recipe in the VDB, as it is recorded, and with its files where they are.
+/// The recipe in the VDB as it is recorded, and with the current paths of its files.
 struct MeshRecipe {
   vdbtools::Recipe recorded, found;
 };
 
-/// With --input in the place of the recorded target.
+/// Finds the recipe, with --input in place of the recorded target.
 MeshRecipe recipeFor(const CommandLine& line, const std::string& vdb, const vdbtools::Recipe& recorded) {
   const char* const wayOut = ", the target itself with --input FILE, or use the voxels with --from-grid";
   if (!line.has("input")) return {recorded, withFoundFiles(line, recorded, vdb, wayOut)};
@@ -91,8 +91,8 @@ vdbtools::MeshCounts meshFromGrid(const std::string& input, const CommandLine& l
   return {mesh.points.size(), mesh.triangles.size()};
 }
 
-/// @param asked       what the command line says about a fractal's surface
-/// @param adaptivity  of a mesh of voxels
+/// @param asked       the options of the command line about a fractal's surface
+/// @param adaptivity  for a mesh made from voxels
 FrameJob meshJob(const CommandLine& line, const std::string& input, const vdbtools::Recipe& asked, double adaptivity) {
   const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
   vdbtools::RecordedRecipe recorded;

@@ -18,9 +18,9 @@ namespace cli {
 namespace {
 
 constexpr Command kPlans[] = {
-    {"tiles", planTiles, "cut one fractal into tiles, to be merged"},
-    {"frames", planFrames, "a fractal for each frame, with options and inputs that change"},
-    {"sheet", planSheet, "the fractals of cells of a contact sheet"},
+    {"tiles", runPlanTiles, "cut one fractal into tiles, to be merged"},
+    {"frames", runPlanFrames, "a fractal for each frame, with options and inputs that change"},
+    {"sheet", runPlanSheet, "the fractals of cells of a contact sheet"},
 };
 
 constexpr Usage kPlanUsage = {

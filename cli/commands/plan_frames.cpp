@@ -73,7 +73,7 @@ std::string frameResolutionText(const vdbtools::farm::FramePlanOptions& options)
          " for all frames: the most that the first, the middle and the last of them need";
 }
 
-int planFrames(const Arguments& arguments) {
+int runPlanFrames(const Arguments& arguments) {
   CommandLine line(kPlanFramesUsage, vdbtools::fractalOptionTable());
   addVariantOptions(line);
   line.addOptions()("frames", po::value<std::string>()->value_name("LIST"),

@@ -22,7 +22,7 @@ constexpr Usage kPlanSheetUsage = {"plan sheet", "SHEET.json[#CELLS] -o DIR [--m
 
 }  // namespace
 
-int planSheet(const Arguments& arguments) {
+int runPlanSheet(const Arguments& arguments) {
   CommandLine line(kPlanSheetUsage, vdbtools::fractalOptionTable());
   addVariantOptions(line);
   if (!line.parse(arguments)) return kDone;

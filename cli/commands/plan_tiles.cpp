@@ -58,11 +58,11 @@ void tellEstimate(const char* what, const char* name, const vdbtools::farm::Esti
                   << amount(estimated.high, units) << ")\n";
 }
 
-/// Makes some of the tasks, each as a process of its own, as a farm would.
+/// Runs some of the tasks, each as a process of its own, as a farm would.
 std::vector<vdbtools::farm::SampledTask> makeSample(const CommandLine& line, const std::filesystem::path& folder,
                                                     const vdbtools::farm::TilePlan& plan, std::uint64_t count) {
   constexpr std::uint64_t kSeed = 1;
-  // With the hash that only the written one has.
+  // Read it again, because only the written manifest has its hash.
   const vdbtools::farm::Manifest manifest = vdbtools::farm::readManifest(folder);
   const std::vector<std::uint64_t> indices = vdbtools::farm::sampleTasks(manifest.tasks.size(), count, kSeed);
   vdbtools::Monitor& monitor = line.progress();
@@ -99,7 +99,7 @@ void tellEstimate(const vdbtools::farm::PlanEstimate& estimate) {
 
 }  // namespace
 
-int planTiles(const Arguments& arguments) {
+int runPlanTiles(const Arguments& arguments) {
   CommandLine line(kPlanTilesUsage, vdbtools::fractalOptionTable());
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("DIR"), "the folder of the plan, which is new or empty")(

@@ -63,7 +63,7 @@ struct Made {
   vdbtools::FileAxes axes{};
 };
 
-/// The options of what points carry: of a fractal, in the place of those of its recipe.
+/// The options that say which attributes the points carry. For a fractal, they replace those of its recipe.
 const vdbtools::OptionTable& attributeTable() {
   static const vdbtools::OptionTable table(vdbtools::attributeOptionSpecs());
   return table;
@@ -96,7 +96,7 @@ void writePoints(const CommandLine& line, const Made& made, const FrameRun& run,
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
   if (formatOf(line.text("output"), ".ply") == ".vdb") {
     const double spacing = points.spacing > 0 ? points.spacing : points.reach > 0 ? points.reach : 1;
-    // Points have their turn in themselves, as the transform of a grid would not turn normals.
+    // The points themselves are rotated, because the transform of a grid would not rotate normals.
     vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(made.axes, made.metadata);
     vdbtools::OrientedPoints turned = points;
     for (openvdb::Vec3d& position : turned.positions) position = write.turn(position);
@@ -107,7 +107,7 @@ void writePoints(const CommandLine& line, const Made& made, const FrameRun& run,
     vdbtools::MeshWriteOptions write = vdbtools::meshWriteOptions(vdbtools::MeshFormat::Ply, made.axes, made.metadata);
     write.voxelSize = points.spacing;
     write.columns = points.columns;
-    // Such a PLY holds no recipe, and no more than the unit.
+    // A PLY of points contains no recipe, only the unit.
     std::erase_if(write.comments, [](const auto& entry) { return entry.first != vdbtools::kLengthUnit; });
     vdbtools::writeMesh(file.stream(), {.points = points.positions, .triangles = {}, .normals = points.normals}, write,
                         points.values);

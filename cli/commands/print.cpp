@@ -70,7 +70,7 @@ vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtool
   return options;
 }
 
-/// The fractal whose recipe the input has, if it is to be computed again.
+/// The fractal whose recipe the input contains, if it is to be computed again.
 std::optional<vdbtools::FractalOptions> recordedFractal(const CommandLine& line, const std::string& input) {
   const std::string extension = vdbtools::meshExtension(input);
   const bool plain = line.has("from-grid") || line.has("grid") || line.has("repair");
@@ -92,7 +92,7 @@ vdbtools::UpAxis upOf(const CommandLine& line, const std::string& input,
                                                              : vdbtools::readMeshComments(input));
 }
 
-/// Refuses what has no effect on a part of this input.
+/// Refuses options that have no effect on a part made from this input.
 void requirePartFits(const CommandLine& line, const std::string& input, const vdbtools::PrintOptions& options) {
   const bool vdb = vdbtools::isVdbPath(input);
   line.requireUse(!vdb, {"repair"}, "it is for a mesh, and the input is a VDB; leave it out");
@@ -124,9 +124,9 @@ void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& o
        << vdbtools::shortText(part.extents[1]) << " x " << vdbtools::shortText(part.extents[2]) << " mm, "
        << vdbtools::shortText(part.volume / kCubicCentimetre) << " cm3, " << part.mesh.triangles.size()
        << " triangles\n";
-  if (part.islands > part.kept || part.cavities > 0) {
-    text << "of " << counted(part.islands, "island", "islands") << ' ' << part.kept
-         << (part.kept == 1 ? " is kept; " : " are kept; ") << vdbtools::shortText(100 * part.droppedShare)
+  if (part.islands > part.keptIslands || part.cavities > 0) {
+    text << "of " << counted(part.islands, "island", "islands") << ' ' << part.keptIslands
+         << (part.keptIslands == 1 ? " is kept; " : " are kept; ") << vdbtools::shortText(100 * part.droppedShare)
          << " % of the volume is dropped";
     if (part.cavities > 0)
       text << ", and " << counted(part.cavities, "cavity", "cavities") << " of "
@@ -153,7 +153,7 @@ void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& o
          << " mm are coarse for this thickness, and detail is lost; try a higher --resolution\n";
 }
 
-/// @param fractal  whose surface is to be computed again
+/// @param fractal  if set, its surface is computed again
 void makePart(const CommandLine& line, const std::string& input, const std::optional<vdbtools::FractalOptions>& fractal,
               const vdbtools::PrintOptions& options, std::optional<vdbtools::LengthUnit> unit,
               const std::string& format, const FrameRun& run) {
@@ -221,7 +221,8 @@ int runPrint(const Arguments& arguments) {
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o PART.stl");
   const std::string format = vdbtools::lowerCase(formatOf(line.text("output"), ".stl"));
-  if (format == ".3mf" && !vdbtools::canWrite3mf()) vdbtools::encode3mf({});  // says why
+  if (format == ".3mf" && !vdbtools::canWrite3mf())
+    vdbtools::encode3mf({});  // throws the error for a build without 3MF
   return runFrames(line, input, kOnlyOutput, [&](const std::string& name) {
     const std::optional<vdbtools::LengthUnit> unit = unitOf(line, name);
     vdbtools::PrintOptions options = parsePrint(line, unit);

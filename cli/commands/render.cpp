@@ -63,11 +63,11 @@ constexpr Usage kRenderUsage = {
 
 constexpr const char* kSize = "800x800";
 
-/// What a picture of a level set or of a mesh can have.
+/// The passes that pictures of level sets and meshes support.
 const std::set<vdbtools::Pass> kSurfacePasses{vdbtools::Pass::Beauty, vdbtools::Pass::Normal, vdbtools::Pass::Depth,
                                               vdbtools::Pass::Albedo, vdbtools::Pass::Ao,     vdbtools::Pass::Id};
 
-/// What a picture of a map's set can have.
+/// The passes that pictures of a map's set support.
 const std::set<vdbtools::Pass> kFieldPasses = [] {
   std::set<vdbtools::Pass> passes = kSurfacePasses;
   passes.insert(vdbtools::Pass::Trap);
@@ -99,21 +99,21 @@ std::vector<vdbtools::PreviewBall> ballsOf(const std::string& name) {
   return balls;
 }
 
-/// The camera, the light and what is kept of a picture, in one table.
+/// The options of the camera, the light and the passes, in one table.
 vdbtools::OptionTable pictureTable(bool field) {
   std::vector<vdbtools::OptionSpec> options = vdbtools::pictureOptionSpecs(kSize, field);
   options.push_back(vdbtools::passesOptionSpec());
   return vdbtools::OptionTable(std::move(options));
 }
 
-/// Of these, what may change from frame to frame.
+/// Those of them that may change from frame to frame.
 vdbtools::OptionTable keyTable(bool field) {
   std::vector<vdbtools::OptionSpec> options = vdbtools::pictureOptionSpecs(kSize, field);
   std::erase_if(options, [](const vdbtools::OptionSpec& option) { return !vdbtools::isAppearance(option.name); });
   return vdbtools::OptionTable(std::move(options));
 }
 
-/// Refuses the options that only the other way of rendering has.
+/// Refuses options that only the other way of rendering supports.
 void requireFits(const CommandLine& line, bool field) {
   if (field) {
     if (line.has("roots")) throw std::invalid_argument("--roots cannot be used with --field");
@@ -133,14 +133,14 @@ void requireFits(const CommandLine& line, bool field) {
 /// A picture to take: a still, or a frame of a sequence.
 struct Shot {
   std::optional<int> frame;
-  vdbtools::Recipe view;  ///< of pictureTable(): what was given, and what the keys say
+  vdbtools::Recipe view;  ///< options of pictureTable(): the given ones, and those of the keys
   double turn = 0;        ///< degrees by which the camera has turned
   std::string input;
 
   bool isAs(const Shot& other) const { return view == other.view && turn == other.turn && input == other.input; }
 };
 
-/// Refuses the way in which a turntable was asked for before version 1, when --frames was a count.
+/// Refuses the form of a turntable before version 1, when --frames was a count.
 void requireNoCount(const CommandLine& line, bool field, const std::vector<int>& frames) {
   if (!field || frames.size() != 1 || frames.front() < 2 || line.has("turn") || line.has("key")) return;
   const std::string text = line.text("frames");
@@ -151,12 +151,12 @@ void requireNoCount(const CommandLine& line, bool field, const std::vector<int>&
                               text + " for that frame");
 }
 
-/// In the order in which they are made.
+/// The pictures to take, in the order in which they are made.
 /// @throw vdbtools::MissingInputError  the input of a frame is missing
 std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
   const std::string input = line.text("input");
   const vdbtools::Recipe given = line.given(pictureTable(field));
-  // A cell of a sheet is shown as it is there.
+  // A cell of a sheet is shown in its own view.
   const vdbtools::Recipe base =
       field && line.has("config") ? vdbtools::readRecordedView(line.text("config")) : vdbtools::Recipe();
   line.requireUse(line.has("frames"), {"turn", "key", "ease"}, "it goes with --frames; give that too, or leave it out");
@@ -192,11 +192,11 @@ std::vector<Shot> shotsOf(const CommandLine& line, bool field) {
   return shots;
 }
 
-/// The light, and what is kept of the picture.
+/// The light and the passes of a picture.
 struct Layers {
   vdbtools::Look look;
   std::set<vdbtools::Pass> passes;
-  bool alpha = false;  ///< whether a PNG has it
+  bool alpha = false;  ///< whether a PNG has an alpha channel
 };
 
 Layers layersOf(const vdbtools::RecipeReader& reader, const std::string& format,
@@ -207,26 +207,26 @@ Layers layersOf(const vdbtools::RecipeReader& reader, const std::string& format,
       throw std::invalid_argument("--passes are layers of an EXR; give -o a name that ends in .exr, or leave it out");
     layers.passes = {vdbtools::Pass::Beauty};
   } else if (layers.look.backdrop == vdbtools::Backdrop::Neutral) {
-    // Compositors put a background of their own behind an EXR.
+    // Compositors put their own background behind an EXR.
     layers.look.backdrop = vdbtools::Backdrop::None;
   }
   layers.alpha = layers.look.backdrop == vdbtools::Backdrop::None;
   return layers;
 }
 
-/// A picture that is made.
+/// A finished picture.
 struct Picture {
   vdbtools::ShadedImage image;
-  std::string more;  ///< what the summary says of it, behind its size
+  std::string more;  ///< what the summary says after the picture's size
 };
 
-/// The picture of a shot, by the shot's place in the list.
+/// Makes the picture of a shot. @param shot  its index in the list
 using PictureMaker = std::function<Picture(std::size_t shot, vdbtools::Monitor& monitor)>;
 
-/// Makes the pictures one after the other. All their places are checked before the first is made.
+/// Makes the pictures one after another. All paths are checked before the first picture is made.
 class Shooting {
  public:
-  /// @param inputs  beside the command's own
+  /// @param inputs  in addition to the command's own
   Shooting(const CommandLine& line, const std::vector<Shot>& shots, vdbtools::InputFiles inputs, std::string format)
       : mLine(line), mShots(shots), mInputs(std::move(inputs)), mFormat(std::move(format)) {
     for (const Shot& shot : shots) {
@@ -236,7 +236,7 @@ class Shooting {
     if (!mFrames.empty()) requireFramePlaces(line, mInputs, kOnlyOutput, mFrames);
   }
 
-  /// @param layers  of all shots @return the exit code
+  /// @param layers  for each shot @return the exit code
   int make(const std::vector<Layers>& layers, const PictureMaker& pictureOf) const {
     if (mFrames.empty()) {
       makeOne(0, layers.front(), pictureOf, true, mLine.progress());
@@ -244,26 +244,26 @@ class Shooting {
       return kDone;
     }
     std::optional<std::size_t> before;
-    bool areHeld = true;
+    bool areEqual = true;
     const SequenceCounts counts =
         makeSequence(mLine, mFrames, [&](std::size_t i, bool isLast, vdbtools::Monitor& monitor) {
           monitor.throwIfCancelled();
-          const bool isHeld = before && mShots[i].isAs(mShots[*before]);
-          areHeld = areHeld && (isHeld || i == 0);
-          if (!isHeld || !copyFrame(mLine, kOnlyOutput, mFrames[*before], mFrames[i], isLast))
+          const bool isEqual = before && mShots[i].isAs(mShots[*before]);
+          areEqual = areEqual && (isEqual || i == 0);
+          if (!isEqual || !copyFrame(mLine, kOnlyOutput, mFrames[*before], mFrames[i], isLast))
             makeOne(i, layers[i], pictureOf, isLast, monitor);
           before = i;
           report().noteKept("finished frames are kept");
           return FrameOutcome::Made;
         });
-    if (areHeld) noteHeld(mFrames.size());
+    if (areEqual) noteEqualFrames(mFrames.size());
     return finishSequence(counts, /*keeps=*/false);
   }
 
  private:
   void makeOne(std::size_t shot, const Layers& layers, const PictureMaker& pictureOf, bool isLast,
                vdbtools::Monitor& monitor) const {
-    // The place is claimed before the work begins.
+    // The path is claimed before the work begins.
     Outputs outputs(mLine, mInputs, mShots[shot].frame);
     std::ostream& file = outputs.add("output", mLine.text("output"), ".png .exr").stream();
     const Picture picture = pictureOf(shot, monitor);
@@ -288,7 +288,7 @@ std::string requireOutput(const CommandLine& line) {
   return formatOf(line.text("output"), ".png");
 }
 
-/// Pictures of level sets or of meshes.
+/// Makes pictures of level sets or of meshes.
 int renderSurface(const CommandLine& line) {
   if (line.text("input").empty()) throw std::invalid_argument("no VDB and no mesh was given");
   const std::vector<Shot> shots = shotsOf(line, false);
@@ -333,7 +333,7 @@ int renderSurface(const CommandLine& line) {
   });
 }
 
-/// A map's set, and what renders it.
+/// The set of a map, and its renderer.
 struct FieldStage {
   FieldStage(const vdbtools::FractalOptions& options, vdbtools::Monitor& monitor)
       : scene(vdbtools::makeScene(options, monitor)),
@@ -345,7 +345,7 @@ struct FieldStage {
   vdbtools::FieldRenderer renderer;
 };
 
-/// Pictures of a map's set.
+/// Makes pictures of a map's set.
 int renderMap(const CommandLine& line) {
   const std::vector<Shot> shots = shotsOf(line, true);
   const vdbtools::OptionTable table = pictureTable(true);
@@ -353,7 +353,7 @@ int renderMap(const CommandLine& line) {
   std::vector<vdbtools::FieldPicture> pictures;
   std::vector<Layers> layers;
   std::vector<vdbtools::FractalOptions> fractals;
-  std::vector<std::size_t> fractalOf;  // by shot
+  std::vector<std::size_t> fractalOf;  // for each shot, the index of its fractal
   vdbtools::InputFiles inputs;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     const vdbtools::RecipeReader reader(shots[i].view, table);
@@ -368,7 +368,7 @@ int renderMap(const CommandLine& line) {
     fractalOf.push_back(fractals.size() - 1);
   }
   std::optional<FieldStage> stage;
-  std::size_t staged = 0;  // which of the fractals that is
+  std::size_t staged = 0;  // the index of the fractal that is staged
   return Shooting(line, shots, std::move(inputs), format).make(layers, [&](std::size_t i, vdbtools::Monitor& monitor) {
     if (!stage || staged != fractalOf[i]) {
       stage.emplace(fractals[fractalOf[i]], monitor);

@@ -11,7 +11,7 @@ namespace cli {
 
 class CommandLine;
 
-/// Whether an input is a mesh, and no VDB.
+/// Whether an input is a mesh and not a VDB.
 bool isMesh(const std::string& input);
 
 /// The picture of a mesh.

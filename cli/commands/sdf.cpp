@@ -37,8 +37,8 @@ constexpr Usage kSdfUsage = {
     "  juliavdb sdf bunny_sdf.vdb -o wide.vdb --band 30\n"
     "  juliavdb sdf walk.####.obj -o walk.####.vdb --frames 1-2 --resolution 60\n"};
 
-/// Makes the distances of one mesh. @param recipe  to be recorded
-void makeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const FrameRun& run) {
+/// Writes the distances of one mesh. @param recipe  the recipe to record
+void writeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const FrameRun& run) {
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(recipe);
   const std::optional<vdbtools::NvdbValues> nvdb = nvdbValues(line);
   std::ostream& file = run.outputs.add("output", line.text("output"), kGridExtensions).stream();
@@ -94,7 +94,7 @@ int runSdf(const Arguments& arguments) {
     recipe["input"] = input;
     vdbtools::InputFiles inputs;
     inputs.add(input);
-    return FrameJob{inputs, [&line, recipe](const FrameRun& run) { makeSdf(line, recipe, run); }};
+    return FrameJob{inputs, [&line, recipe](const FrameRun& run) { writeSdf(line, recipe, run); }};
   });
 }
 

@@ -28,7 +28,7 @@ namespace po = boost::program_options;
 namespace cli {
 namespace {
 
-/// Whether all files of a frame hold its recipe.
+/// Whether all files of a frame record its recipe.
 bool isMade(const CommandLine& line, const FractalRun& run, std::span<const char* const> outputs) {
   return std::all_of(outputs.begin(), outputs.end(), [&](const char* option) {
     return !line.has(option) || vdbtools::holdsFractal(vdbtools::expandFrame(line.text(option), run.frame), run.recipe);
@@ -44,7 +44,7 @@ Failure failureOf(int frame) {
   return failure;
 }
 
-/// Refuses outputs of several frames that would have one name.
+/// Refuses outputs that would have the same name in several frames.
 void requirePlaces(const CommandLine& line, std::span<const char* const> outputs, std::size_t frames) {
   if (frames < 2) return;
   for (const char* option : outputs) {
@@ -92,7 +92,7 @@ std::vector<int> framesOf(const CommandLine& line, std::span<const char* const> 
   return frames;
 }
 
-void noteHeld(std::size_t frames) {
+void noteEqualFrames(std::size_t frames) {
   if (frames > 1) report().text() << "note: nothing changes from frame to frame, and all are the same\n";
 }
 
@@ -101,7 +101,7 @@ SequenceCounts makeSequence(const CommandLine& line, const std::vector<int>& fra
   for (std::size_t i = 0; i < frames.size(); ++i) {
     vdbtools::NumberedMonitor monitor(line.progress(), "frame", i + 1, frames.size());
     try {
-      if (make(i, i + 1 == frames.size() && counts.failed == 0, monitor) == FrameOutcome::Kept) ++counts.kept;
+      if (make(i, i + 1 == frames.size() && counts.failed == 0, monitor) == FrameOutcome::Kept) ++counts.keptFrames;
     } catch (const vdbtools::Interrupted&) {
       throw;
     } catch (...) {
@@ -119,13 +119,13 @@ SequenceCounts makeSequence(const CommandLine& line, const std::vector<int>& fra
 }
 
 int finishSequence(const SequenceCounts& counts, bool keeps) {
-  const std::size_t made = counts.frames - counts.kept - counts.failed;
+  const std::size_t made = counts.frames - counts.keptFrames - counts.failed;
   report().count("frames", counts.frames);
-  if (keeps) report().count("keptFrames", counts.kept);
+  if (keeps) report().count("keptFrames", counts.keptFrames);
   report().count("failedFrames", counts.failed);
   report().text() << "made " << framesText(made);
   if (keeps)
-    report().text() << ", kept " << counts.kept << " of " << framesText(counts.frames);
+    report().text() << ", kept " << counts.keptFrames << " of " << framesText(counts.frames);
   else if (made < counts.frames)
     report().text() << " of " << counts.frames;
   report().text() << '\n';
@@ -146,7 +146,7 @@ bool copyFrame(const CommandLine& line, std::span<const char* const> outputs, in
   for (const char* option : given) {
     const std::string source = nameAt(option, from);
     std::ifstream content(source, std::ios::binary);
-    // What cannot be written is said by the commit.
+    // If this fails, the commit reports it.
     files.add(option, line.text(option), vdbtools::lowerExtension(source)).stream() << content.rdbuf();
     if (!content.is_open() || content.bad()) throw vdbtools::IoError("'" + source + "' cannot be read to copy it");
   }
@@ -158,22 +158,22 @@ bool copyFrame(const CommandLine& line, std::span<const char* const> outputs, in
 SequenceCounts makeFractals(const CommandLine& line, const vdbtools::farm::FrameRecipes& recipes,
                             std::span<const char* const> outputs, const FractalMaker& make) {
   const std::vector<int>& frames = recipes.frames();
-  std::optional<std::pair<vdbtools::Recipe, int>> before;  // the frame whose files are there
-  bool areHeld = true;
+  std::optional<std::pair<vdbtools::Recipe, int>> before;  // the previous frame
+  bool areEqual = true;
   const SequenceCounts counts = makeSequence(line, frames, [&](std::size_t i, bool isLast, vdbtools::Monitor& monitor) {
     monitor.begin(vdbtools::PhaseKind::Checking, 0);
     monitor.throwIfCancelled();
     const vdbtools::Recipe recipe = recipes.at(frames[i]);
     const FractalRun run{recipe, recipe, frames[i], isLast};
-    const bool isHeld = before && before->first == recipe;
-    areHeld = areHeld && (isHeld || i == 0);
+    const bool isEqual = before && before->first == recipe;
+    areEqual = areEqual && (isEqual || i == 0);
     const bool isThere = !line.has("force") && isMade(line, run, outputs);
-    if (!isThere && !(isHeld && copyFrame(line, outputs, before->second, frames[i], isLast))) make(run, monitor);
+    if (!isThere && !(isEqual && copyFrame(line, outputs, before->second, frames[i], isLast))) make(run, monitor);
     before = {recipe, frames[i]};
     report().noteKept("finished frames are kept, and the same command goes on from there");
     return isThere ? FrameOutcome::Kept : FrameOutcome::Made;
   });
-  if (areHeld) noteHeld(frames.size());
+  if (areEqual) noteEqualFrames(frames.size());
   return counts;
 }
 
@@ -219,7 +219,7 @@ int runFrames(const CommandLine& line, const std::string& input, std::span<const
     report().noteKept("finished frames are kept");
     return FrameOutcome::Made;
   });
-  if (!isSequence) noteHeld(frames.size());
+  if (!isSequence) noteEqualFrames(frames.size());
   return finishSequence(counts, /*keeps=*/false);
 }
 

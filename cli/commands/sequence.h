@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file sequence.h
-/// Sequences that one process makes, frame by frame: --frames of every command that has it, what is checked before the
-/// first frame, which frames are kept, what a failure stops, and what is said.
+/// Sequences that one process makes frame by frame: the option --frames of all commands that have it, the checks before
+/// the first frame, which frames are kept, which failures end the sequence, and what is reported.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
@@ -31,86 +31,86 @@ inline constexpr const char* kOnlyOutput[] = {"output"};
 
 /// --frames and --keep-going.
 void addFramesOption(CommandLine& line);
-/// These, and --key, --ease and --force of 'fractal'.
+/// The same options, and --key, --ease and --force of 'fractal'.
 void addSequenceOptions(CommandLine& line);
-/// @throw std::invalid_argument  an option that makes sense with --frames only, or --frame and --frames
+/// @throw std::invalid_argument  an option that requires --frames without it, or --frame and --frames together
 void requireSequenceFits(const CommandLine& line);
 
-/// The frames that were asked for; none without --frames.
+/// The requested frames; empty without --frames.
 /// @param outputs  the options that name the files of a frame
-/// @throw std::invalid_argument  --frames is no such list, an option goes with --frames only, or an output has no place
-///                               for the frame although there are several
+/// @throw std::invalid_argument  --frames is not a valid list, an option that requires --frames without it, or the name
+///                               of an output has no frame pattern although there are several frames
 std::vector<int> framesOf(const CommandLine& line, std::span<const char* const> outputs);
 
-/// Says that all frames are the same, if there are several.
-void noteHeld(std::size_t frames);
+/// Reports that all frames are the same, if there are several.
+void noteEqualFrames(std::size_t frames);
 
 struct SequenceCounts {
-  std::size_t frames = 0, kept = 0;
+  std::size_t frames = 0, keptFrames = 0;
   std::size_t failed = 0;
-  std::string firstFailure;  ///< with the frame; empty if none failed
+  std::string firstFailure;  ///< with the number of the frame; empty if no frame failed
   int failureCode = 0;
 };
 
-/// What becomes of a frame.
+/// What was done for a frame.
 enum class FrameOutcome { Made, Kept };
-/// @param isLast  nothing is to be made after it
+/// @param isLast  whether nothing is made after this frame
 using FrameMaker = std::function<FrameOutcome(std::size_t index, bool isLast, vdbtools::Monitor& monitor)>;
 
-/// Makes frames in their order. Names the frame in a failure, which ends the sequence, or with --keep-going that frame
-/// alone.
+/// Makes frames in their order. A failure is reported with the number of its frame. It ends the sequence or, with
+/// --keep-going, only that frame.
 /// @throw FailedWith, vdbtools::Interrupted
 SequenceCounts makeSequence(const CommandLine& line, const std::vector<int>& frames, const FrameMaker& make);
 
-/// Says what has become of the frames. @param keeps  whether frames that are there may be kept
-/// @return the exit code @throw FailedWith  some have failed
+/// Reports how many frames were made and kept. @param keeps  whether existing frames may be kept
+/// @return the exit code @throw FailedWith  some frames have failed
 int finishSequence(const SequenceCounts& counts, bool keeps);
 
-/// Writes the files of one frame under the names of another, and says so.
+/// Copies the files of one frame to the names of another, and reports it.
 /// @param outputs  the options that name the files of a frame
-/// @return false: they are no files that can be copied, and nothing was written
+/// @return false if the files cannot be copied; nothing was written then
 bool copyFrame(const CommandLine& line, std::span<const char* const> outputs, int from, int to, bool isLast);
 
-// ---- What one fractal of a sequence is made with -------------------------------------------------------------------
+// ---- One fractal of a sequence -------------------------------------------------------------------------------------
 
 struct FractalRun {
-  vdbtools::Recipe recipe;  ///< to be recorded
-  vdbtools::Recipe found;   ///< the same with the names under which files are opened
+  vdbtools::Recipe recipe;  ///< the recipe to record
+  vdbtools::Recipe found;   ///< the same with the current paths of its files
   std::optional<int> frame;
-  bool isLast = true;  ///< nothing is to be made after it
+  bool isLast = true;  ///< whether nothing is made after it
 };
 
 using FractalMaker = std::function<void(const FractalRun&, vdbtools::Monitor&)>;
 
-/// Makes the fractals of frames, except those whose files are there and hold the frame's recipe, and those whose recipe
-/// is that of the frame before, whose files are copied.
+/// Makes the fractals of frames. It keeps frames whose files exist and record the frame's recipe, and copies the files
+/// of the previous frame if that has the same recipe.
 /// @throw as makeSequence()
 SequenceCounts makeFractals(const CommandLine& line, const vdbtools::farm::FrameRecipes& recipes,
                             std::span<const char* const> outputs, const FractalMaker& make);
 
 // ---- Commands that make files from one input -----------------------------------------------------------------------
 
-/// A frame that is being made, or what a command makes without --frames.
+/// A frame that is being made, or the only output of a command without --frames.
 struct FrameRun {
   Outputs& outputs;
   vdbtools::Monitor& monitor;
   bool isLast;  ///< for Outputs::commit()
 };
 
-/// What a command makes from an input.
+/// The work of a command on one input.
 struct FrameJob {
   vdbtools::InputFiles inputs{};  ///< what is read in addition to CommandLine::inputs()
-  /// Claims the outputs, makes and commits them, and says so.
+  /// Claims the outputs, makes and commits them, and reports them.
   std::function<void(const FrameRun&)> make{};
 };
 
-/// Checks everything about an input, and reads nothing but the recipe in it.
+/// Checks everything about an input. Of the input itself it reads only the recipe.
 using FramePreparer = std::function<FrameJob(const std::string& input)>;
 
-/// Makes what a command makes: from its input, or with --frames from that of each frame. All frames are prepared, all
-/// their inputs exist, and no output is an input of any frame, before the first is made. Frames with the same input are
-/// made once and copied.
-/// @param input    the name of the input, which may have a place for the frame
+/// Runs a command on its input or, with --frames, on that of each frame. Before the first frame is made, all frames are
+/// prepared, all inputs must exist, and no output may be an input of any frame. If all frames have the same input, the
+/// first frame is made and the others are copies.
+/// @param input    the name of the input, which may contain a frame pattern
 /// @param outputs  the options that name the files of a frame
 /// @return the exit code
 int runFrames(const CommandLine& line, const std::string& input, std::span<const char* const> outputs,

@@ -44,7 +44,7 @@ constexpr Usage kSheetUsage = {
     nullptr,
     "up"};
 
-/// The JSON is written over without a question only where a sheet of this program is lost.
+/// The path of the JSON beside a picture. An existing file is overwritten only if it is a sheet of this program.
 std::filesystem::path recipesBeside(const std::filesystem::path& picture) {
   std::filesystem::path path = picture;
   path.replace_extension(".json");
@@ -55,7 +55,7 @@ std::filesystem::path recipesBeside(const std::filesystem::path& picture) {
   return path;
 }
 
-/// What stands on the command line or comes from --config or from the target's own recipe.
+/// The options of the command line, of --config, and of the target's own recipe.
 vdbtools::SheetOptions parseSheet(const CommandLine& line) {
   const vdbtools::OptionTable table = vdbtools::variedOptionTable();
   vdbtools::SheetOptions options;
@@ -64,7 +64,7 @@ vdbtools::SheetOptions parseSheet(const CommandLine& line) {
   if (line.has("columns")) options.columns = line.integer("columns", 1, static_cast<int>(vdbtools::kMostSheetCells));
   options.base = givenSceneRecipe(line, line.text("input"));
   options.given = line.given();
-  // A fractal's file as the target stands for its recipe, and the target is the one in there.
+  // If the target is the file of a fractal, that stands for its recipe, which names the actual target.
   const auto target = options.base.find("input");
   if (target == options.base.end() || target->second != line.text("input")) options.given.erase("input");
   if (line.has("config")) options.baseView = vdbtools::readRecordedView(line.text("config"));
@@ -72,7 +72,7 @@ vdbtools::SheetOptions parseSheet(const CommandLine& line) {
   return options;
 }
 
-/// What is typed or varied has to have an effect in a cell.
+/// Checks that all typed and varied options have an effect in some cell.
 void requireEffects(const CommandLine& line, const vdbtools::SheetOptions& options) {
   std::set<std::string> names = line.typedNames();
   const vdbtools::OptionTable fractal = vdbtools::fractalOptionTable();
@@ -84,7 +84,7 @@ void requireEffects(const CommandLine& line, const vdbtools::SheetOptions& optio
   line.requireEffect(std::move(names), runs);
 }
 
-/// Says once what several cells show and their voxels do not.
+/// Reports once what several cells show that their voxels do not.
 void tellFiner(const std::vector<vdbtools::SheetCell>& cells) {
   const auto isFiner = [](const vdbtools::SheetCell& cell) { return !cell.finer.empty(); };
   const auto count = std::count_if(cells.begin(), cells.end(), isFiner);
@@ -136,13 +136,13 @@ int runSheet(const Arguments& arguments) {
   const std::vector<vdbtools::SheetCell>& cells = made.sheet.cells;
   const auto failed = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.error.empty(); });
   report().count("cells", cells.size());
-  report().count("keptCells", made.kept);
+  report().count("keptCells", made.reusedCells);
   report().count("failedCells", failed);
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (!cells[i].error.empty()) report().text() << "warning: cell " << i + 1 << " failed: " << cells[i].error << '\n';
   tellFiner(cells);
   report().text() << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns << " cells, "
-                  << made.kept << " of " << cells.size() << " cells kept\n";
+                  << made.reusedCells << " of " << cells.size() << " cells kept\n";
   return kDone;
 }
 

@@ -66,7 +66,7 @@ SliceField parseField(const CommandLine& line) {
                                            {"grid", SliceField::Grid}});
 }
 
-/// The first steps from these points, world units.
+/// The first steps of the orbits of these points, world units.
 /// @throw std::invalid_argument  the map is not one of quaternions
 std::vector<vdbtools::SliceArrow> arrowsFrom(const std::vector<openvdb::Vec3d>& positions, const Scene& scene) {
   if (scene.field.evaluator->dimension() != 4)
@@ -81,7 +81,7 @@ std::vector<vdbtools::SliceArrow> arrowsFrom(const std::vector<openvdb::Vec3d>& 
   const julia::Embedding embedding = scene.options.map->embedding();
   std::vector<vdbtools::SliceArrow> arrows;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    // A picture needs no step further than this; it also keeps the drawing's numbers finite.
+    // No picture shows a longer step; this also keeps the drawing's numbers finite.
     constexpr double kFarthest = 1e6;
     const double modulus = std::min(julia::elementary::exp(logModuli[i]), kFarthest);
     const julia::Point direction = embedding.point(versors[i]);
@@ -139,7 +139,7 @@ vdbtools::SliceCodes layerOfScene(const Scene& scene, SliceField field, const Sl
   return vdbtools::membershipCodes(plane, sampleField(plane, scene, progress).field, stack.bits);
 }
 
-/// What the numbers of a stack mean, for the text beside it.
+/// The meaning of the numbers of a stack, for the text beside it.
 std::string meaningOf(SliceField field, const StackOptions& stack) {
   const std::string most = stack.bits == 8 ? "255" : "65535";
   switch (field) {
@@ -183,8 +183,8 @@ vdbtools::Image sliceOfGrid(const std::string& input, const std::string& name, c
   return vdbtools::signedSlice(plane, sampleGrid(plane, *named.grid, progress), range);
 }
 
-/// @param options  none: the grid of a VDB
-/// @param unit     of the input, if there is one that is known
+/// @param options  empty: the grid of a VDB
+/// @param unit     of the input, if it is known
 void writeStack(const CommandLine& line, const std::optional<vdbtools::FractalOptions>& options, SliceField field,
                 const PlanePlacement& placement, const StackOptions& stack, std::optional<vdbtools::LengthUnit> unit) {
   StackWriter writer(line, options ? vdbtools::inputsOf(*options) : vdbtools::InputFiles(), stack);
@@ -205,7 +205,7 @@ void writeStack(const CommandLine& line, const std::optional<vdbtools::FractalOp
                });
 }
 
-/// The voxels of a VDB are shown as they are.
+/// Refuses options that do not apply to the grid of a VDB, whose voxels are shown unchanged.
 void requireGridOptions(const CommandLine& line) {
   const std::string why = "it is for the fields of a fractal, and --field is grid; leave it out";
   for (const std::string& name : line.typedNames())
@@ -213,7 +213,7 @@ void requireGridOptions(const CommandLine& line) {
   line.requireUse(false, {"config", "search", "arrow"}, why);
 }
 
-/// What is shown; nothing if it is the grid of a VDB.
+/// The recipe of the shown fractal; empty for the grid of a VDB.
 std::optional<vdbtools::FractalOptions> sliceRecipe(const CommandLine& line, SliceField field,
                                                     const std::string& input) {
   if (field == SliceField::Grid) return std::nullopt;

@@ -14,7 +14,7 @@ namespace {
 using vdbtools::Scene;
 using vdbtools::SlicePlane;
 
-/// A row of pixels at a time, in threads.
+/// Calls a function for one row of pixels after another, in threads.
 template <class Row>
 void forEachRow(const SlicePlane& plane, vdbtools::Monitor& progress, const Row& row) {
   progress.begin(vdbtools::PhaseKind::Slice, static_cast<std::uint64_t>(plane.height()));
@@ -36,7 +36,7 @@ std::size_t rowStart(const SlicePlane& plane, int y) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(plane.width());
 }
 
-/// Numbers of points of a scene, in 32 bits. @param evaluate  (points, values, number of the first one)
+/// Evaluates numbers at points of a scene, in 32 bits. @param evaluate  (points, values, number of the first one)
 template <class Evaluate>
 std::vector<float> sampleNumbers(const SlicePlane& plane, const Scene& scene, vdbtools::Monitor& progress,
                                  const Evaluate& evaluate) {

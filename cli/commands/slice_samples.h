@@ -15,7 +15,7 @@ namespace cli {
 
 enum class SliceField { Phi, Exponent, Field, Membership, Iterations, Versor, Grid };
 
-/// Whether its numbers have a sign, and so a range that is shown.
+/// Whether the numbers of a field have a sign, and therefore a range to show.
 constexpr bool isSigned(SliceField field) {
   return field != SliceField::Membership && field != SliceField::Iterations && field != SliceField::Versor;
 }

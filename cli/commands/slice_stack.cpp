@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* kStackOutput[] = {"output"};
 
-/// "s.txt" beside "s.####.png".
+/// The name "s.txt" for "s.####.png".
 std::string textBeside(const std::string& name) {
   const std::string stem = vdbtools::stemWithoutFrame(name);
   return (std::filesystem::path(name).parent_path() / ((stem.empty() ? "stack" : stem) + ".txt")).string();
@@ -37,7 +37,7 @@ std::string directionText(const openvdb::Vec3d& step) {
   return "";
 }
 
-/// What other programs need to know of a stack, a line for each.
+/// The text that describes a stack to other programs, one fact per line.
 std::string stackText(const vdbtools::SliceStack& stack, const StackOptions& options,
                       std::optional<vdbtools::LengthUnit> unit, vdbtools::Axis axis, const std::string& field,
                       const std::string& values) {
@@ -95,7 +95,7 @@ void StackWriter::write(const PlanePlacement& placement, const openvdb::BBoxd& b
   std::vector<int> layers(static_cast<std::size_t>(stack.count()));
   std::iota(layers.begin(), layers.end(), 1);
   requireFramePlaces(mLine, mInputs, kStackOutput, layers);
-  // The text comes last: a stack that was interrupted has none.
+  // The text is written last, so an interrupted stack has none.
   Outputs text(mLine, mInputs);
   std::ostream& lines = text.add("output", mText, ".txt").stream();
   for (const int layer : layers) {

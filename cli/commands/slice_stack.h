@@ -19,13 +19,13 @@ namespace cli {
 /// --stack and --bits; --units is an option of the fractal.
 void addStackOptions(CommandLine& line);
 
-/// What the numbers of a stack are.
+/// The numbers that a stack contains.
 struct StackOptions {
   int bits = 8;
   double range = 0;  ///< of fields with a sign
 };
-/// @throw std::invalid_argument  without --stack: one of its options; with it: one that does not go with it, or no
-/// range
+/// @throw std::invalid_argument  an option of stacks without --stack, an option that does not go with --stack, or a
+///                               missing range
 StackOptions parseStack(const CommandLine& line, SliceField field);
 
 /// The numbers of a layer.
@@ -34,14 +34,14 @@ using LayerMaker = std::function<vdbtools::SliceCodes(const vdbtools::SlicePlane
 /// Claims the names of a stack's files before the field is made, and writes the layers one by one.
 class StackWriter {
  public:
-  /// @param inputs  what is read in addition to CommandLine::inputs()
+  /// @param inputs  the files that are read in addition to CommandLine::inputs()
   /// @throw std::invalid_argument  the extension is neither .png nor .tif, or the text beside the layers is an input
   StackWriter(const CommandLine& line, vdbtools::InputFiles inputs, StackOptions options);
 
   /// @param box     world units
-  /// @param values  what the numbers mean, for the text
+  /// @param values  the meaning of the numbers, for the text
   /// @param unit    of the coordinates, if it is known
-  /// @throw vdbtools::IoError, vdbtools::Interrupted  the layers before it stay
+  /// @throw vdbtools::IoError, vdbtools::Interrupted  the layers written before stay
   void write(const PlanePlacement& placement, const openvdb::BBoxd& box, const std::string& values,
              std::optional<vdbtools::LengthUnit> unit, const LayerMaker& make);
 

@@ -39,7 +39,7 @@ constexpr Usage kStatusUsage = {
 
 using vdbtools::farm::TaskState;
 
-/// What all tasks of one state have in common.
+/// Sums over all tasks of one state.
 struct Sums {
   std::uint64_t tasks = 0, bytes = 0, peakBytes = 0;
   std::uint64_t made = 0;  ///< triangles, or evaluated nodes
@@ -69,7 +69,7 @@ std::string size(double bytes) {
   return rounded(bytes / kStep, "TiB");
 }
 
-/// An estimated number.
+/// An estimated number as text.
 std::string roughCount(double value) {
   constexpr double kMany = 1e7, kThousand = 1e3;
   std::array<char, 32> text{};
@@ -80,7 +80,7 @@ std::string roughCount(double value) {
   value /= 1e6;
   const char* unit = "million";
   for (const char* larger : {"billion", "trillion"}) {
-    // What would be rounded to 1000 of a unit is one of the next.
+    // A number that would be rounded to 1000 of a unit is 1 of the next one.
     if (value < 0.9995 * kThousand) break;
     value /= kThousand;
     unit = larger;
@@ -89,7 +89,7 @@ std::string roughCount(double value) {
   return text.data();
 }
 
-/// @param batch  most tasks of a range, where ranges are wanted
+/// @param batch  the maximum number of tasks in a range; empty: no ranges
 void printLists(const std::vector<std::uint64_t>& missing, bool lines, std::optional<std::uint64_t> batch) {
   if (!lines && !batch) {
     if (!missing.empty()) std::cout << vdbtools::farm::taskList(missing) << '\n';

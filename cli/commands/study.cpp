@@ -63,7 +63,7 @@ int runStudy(const Arguments& arguments) {
   const auto input = line.recipe().find("input");
   if (input == line.recipe().end()) throw std::invalid_argument("no target was given");
   vdbtools::Recipe recipe = sceneRecipe(line, input->second);
-  // A study is of random versors, also that of a fractal with a texture.
+  // A study uses random versors, even for a fractal with a texture.
   if (const auto versor = recipe.find("texture"); versor != recipe.end() && vdbtools::findTexture(versor->second))
     recipe = vdbtools::overridden(recipe, {{"texture", "random"}}, vdbtools::fractalOptionTable());
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recipe);

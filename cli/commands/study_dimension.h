@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file study_dimension.h
-/// `juliavdb study --dimension`: it takes all options of a fractal, while other studies are of random versors alone.
+/// `juliavdb study --dimension`. It takes all options of a fractal, whereas other studies use random versors only.
 #pragma once
 
 #include "commands.h"

@@ -64,17 +64,18 @@ enum class Engine { Slurm, Parallel, Script };
 
 /// Slurm's own default of MaxArraySize; indices stay below it.
 constexpr std::uint64_t kUsualArraySize = 1001;
-constexpr int kUsualJobs = 100;  ///< of a Slurm array at a time: so many readers a shared disk should bear
+constexpr int kUsualJobs =
+    100;  ///< tasks of a Slurm array that run at the same time: a shared disk should not serve more readers
 constexpr int kMostJobs = 1'000'000;
 
-/// Words as a shell reads them, each with a blank before it.
+/// Quotes words for a shell, each with a blank before it.
 std::string quoted(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += " " + vdbtools::shellWord(word);
   return text;
 }
 
-/// How this program is started on any machine that has it in the same place.
+/// The command that starts this program on any machine that has it at the same path.
 std::string ownPath() {
   std::error_code error;
   const fs::path path = fs::read_symlink("/proc/self/exe", error);
@@ -94,7 +95,7 @@ bool isInPath(const std::string& program) {
   return false;
 }
 
-/// As the cluster is configured; Slurm's default where that cannot be asked.
+/// The limit of the cluster's configuration, or Slurm's default if it cannot be queried.
 std::uint64_t mostArraySize() {
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen("scontrol show config 2>/dev/null", "re"), ::pclose);
   std::array<char, 512> text{};
@@ -110,12 +111,12 @@ struct Submission {
   std::uint64_t tasks = 0;
   std::vector<std::uint64_t> missing;
   int jobs = 0, threads = 1;
-  std::uint64_t batch = 1;  ///< tasks of a process
+  std::uint64_t batch = 1;  ///< tasks per process
   bool threadsGiven = false;
-  std::vector<int> devices;         ///< of the tasks, by their slots in GNU parallel; empty for none
+  std::vector<int> devices;         ///< for the tasks, by their slots in GNU parallel; empty for none
   bool allocatesGpus = false;       ///< whether Slurm gives each task a graphics processor
   std::vector<std::string> common;  ///< options of each task and of the merge
-  std::vector<std::string> merge;   ///< the words behind "juliavdb merge ."; empty for none
+  std::vector<std::string> merge;   ///< the words after "juliavdb merge ."; empty: no merge
   std::vector<std::string> engineArguments;
 };
 
@@ -129,7 +130,7 @@ std::string slurmScript(const Submission& s) {
       std::string(s.merge.empty() ? "" : ", and the merge of all tasks once they are done") + ".\nset -eu\ncd " +
       vdbtools::shellWord(s.folder.string()) + "\n";
   if (!s.missing.empty()) {
-    // Indices of an array stay below its largest size; beyond that each job makes several tasks.
+    // Indices of an array must stay below its maximum size. For more tasks, each job makes several.
     const std::uint64_t most = mostArraySize() - 1;
     const std::uint64_t each = std::max(s.batch, (s.tasks + most - 1) / most);
     std::vector<std::uint64_t> array;
@@ -157,7 +158,7 @@ std::string slurmScript(const Submission& s) {
   return script;
 }
 
-/// What GNU parallel puts in the place of {device}: of each slot another device, in turn.
+/// The option by which GNU parallel replaces {device}: the slots get the devices in turn.
 std::string devicesBySlot(const std::vector<int>& devices) {
   std::string list;
   for (const int device : devices) list += (list.empty() ? "" : ",") + std::to_string(device);
@@ -184,7 +185,7 @@ std::string parallelScript(const Submission& s) {
   return script;
 }
 
-/// @param jobTemplate  that of --template, read
+/// @param jobTemplate  the template of --template
 std::string scriptOf(const Submission& s, const vdbtools::farm::JobTemplate& jobTemplate) {
   std::vector<std::string> task{"task", s.folder.string(), "--threads", std::to_string(s.threads)};
   task.insert(task.end(), s.common.begin(), s.common.end());
@@ -211,15 +212,15 @@ const char* programOf(Engine engine) {
   return engine == Engine::Slurm ? "sbatch" : engine == Engine::Parallel ? "parallel" : "the script of --template";
 }
 
-/// What has become of the tasks.
+/// The state of the tasks after the script has ended.
 struct Outcome {
   std::vector<std::uint64_t> notDone, running;
-  std::map<std::uint64_t, std::string> errors;  ///< of those that have failed
-  std::set<int> codes;                          ///< that they have failed with
+  std::map<std::uint64_t, std::string> errors;  ///< of the tasks that have failed
+  std::set<int> codes;                          ///< exit codes of the failures
 };
 
-/// What GNU parallel wrote down of tasks, behind @a from: the exit codes of those that ended by themselves. A full disk
-/// may have no room for what a task says of its failure.
+/// The exit codes of tasks that GNU parallel has logged after position @a from, for tasks that ended by themselves.
+/// They are needed because a full disk may have no room for the task's own record of its failure.
 std::map<std::uint64_t, int> loggedCodes(const fs::path& joblog, std::uintmax_t from, std::uint64_t tasks) {
   std::map<std::uint64_t, int> codes;
   std::ifstream log = vdbtools::openToRead(joblog);
@@ -239,7 +240,7 @@ std::map<std::uint64_t, int> loggedCodes(const fs::path& joblog, std::uintmax_t 
   return codes;
 }
 
-/// @param since  failures of earlier submissions say nothing of this one
+/// @param since  earlier failures belong to previous submissions and are ignored
 Outcome outcomeOf(const Submission& s, const vdbtools::farm::Manifest& manifest,
                   const std::map<std::uint64_t, int>& logged, fs::file_time_type since) {
   Outcome outcome;
@@ -267,13 +268,15 @@ std::string tasksText(const std::vector<std::uint64_t>& tasks) {
   return (tasks.size() == 1 ? "task " : "tasks ") + vdbtools::farm::taskList(tasks);
 }
 
-/// What the engine's failure means. What failed has said why, but among the lines of all others.
-/// @param code  of the script
+/// Throws the error for a script that failed. The failing tasks have printed their reasons, but among the output of all
+/// other tasks, so the message repeats the first few of them.
+/// @param code  the exit code of the script
 [[noreturn]] void refuseOutcome(const Submission& s, Engine engine, const Outcome& outcome, int code) {
   const std::string program = programOf(engine), all = " of " + std::to_string(s.tasks);
   constexpr const char* kAgain = "the same command goes on from there";
-  constexpr int kEngineFailed = 255;  // of GNU parallel; up to 101 it is the number of tasks that failed
-  // The words behind -- are all that an engine is given besides the script.
+  constexpr int kEngineFailed =
+      255;  // exit code of GNU parallel itself; codes up to 101 are the number of failed tasks
+  // The words after -- are all that an engine receives besides the script.
   const int engineCode = s.engineArguments.empty() ? kInterrupted : kUsage;
   if (interrupted())
     throw FailedWith({kInterrupted, "interrupted; " +
@@ -308,13 +311,13 @@ std::string tasksText(const std::vector<std::uint64_t>& tasks) {
                                                     reasons + "; " + kAgain});
 }
 
-/// Waits for the script.
+/// Runs the script and waits for it.
 void runScript(const Submission& s, Engine engine, const vdbtools::farm::Manifest& manifest, const fs::path& script) {
   const fs::path joblog = s.folder / "logs" / "joblog";
   std::error_code error;
   std::uintmax_t logged = fs::file_size(joblog, error);
   if (error) logged = 0;
-  const fs::file_time_type since = fs::last_write_time(script);  // by the clock of the disk that has the records
+  const fs::file_time_type since = fs::last_write_time(script);  // by the clock of the disk on which the records are
   std::cout.flush();
   const int code = engine == Engine::Script ? runProgram({script.string()}) : runProgram({"/bin/sh", script.string()});
   if (engine == Engine::Parallel) vdbtools::farm::removeUnneeded(s.folder, manifest);
@@ -322,7 +325,7 @@ void runScript(const Submission& s, Engine engine, const vdbtools::farm::Manifes
   std::map<std::uint64_t, int> codes;
   if (engine == Engine::Parallel && fs::exists(joblog, error)) codes = loggedCodes(joblog, logged, s.tasks);
   Outcome outcome = outcomeOf(s, manifest, codes, since);
-  // A disk may be so full that nothing of what failed could be written down.
+  // The disk may be so full that not even the failures could be recorded.
   if (outcome.codes.empty() && fs::space(s.folder, error).available == 0) outcome.codes.insert(kInputOutput);
   refuseOutcome(s, engine, outcome, code);
 }

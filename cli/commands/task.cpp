@@ -82,8 +82,8 @@ Range rangeOf(const CommandLine& line) {
       "parallel");
 }
 
-/// Lets the layers of a lattice, which come and go, take memory from those before them, as every page that the system
-/// takes back has to be cleared again.
+/// Keeps freed memory in the process, so that the layers of a lattice reuse the memory of earlier layers. Memory that
+/// is returned to the system has to be cleared before it is used again.
 void keepFreedMemory() {
 #ifdef __GLIBC__
   constexpr int kLargestOfHeap = 32 << 20, kKept = 1 << 30;

@@ -36,7 +36,7 @@ constexpr Usage kUsdUsage = {
 
 constexpr const char* kUsdInputs[] = {"input", "mesh"};
 
-/// The files of the scene. @throw vdbtools::MissingInputError  that of a frame is missing
+/// The files of the scene. @throw vdbtools::MissingInputError  the file of a frame is missing
 vdbtools::InputFiles usdInputs(const CommandLine& line, const std::vector<int>& frames) {
   vdbtools::FrameInputs inputs;
   vdbtools::InputFiles others;

@@ -61,7 +61,7 @@ const std::vector<std::string> kActions{"list", "new", "inspect", "add", "scale"
 void write(CommandLine& line, const julia::Rational& rational, const std::string& note,
            const std::optional<vdbtools::FittedTo>& target = {}) {
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.json");
-  Outputs outputs(line, {});  // what is read stands among the words of the line
+  Outputs outputs(line, {});  // the files that are read are words of the command line
   const std::string name = line.text("output");
   std::ostream& file = outputs.add("output", name, ".json .p4d .poly4d").stream();
   const std::string extension = vdbtools::lowerExtension(name);
@@ -132,7 +132,7 @@ void list(bool asJson) {
               << (&texture == &vdbtools::defaultTexture() ? " The default." : "") << '\n';
 }
 
-/// The actions that an option is for; all others refuse it.
+/// Refuses options that do not belong to the action.
 void requireAction(const CommandLine& line, const std::string& action) {
   const auto isFor = [&](std::initializer_list<const char*> names, std::initializer_list<const char*> actions) {
     std::string list;
@@ -156,7 +156,7 @@ void writeWaves(CommandLine& line, const julia::WaveTexture& waves, const std::s
                   << " factors\n";
 }
 
-/// A texture of the shelf: its waves or, of roots, how they are placed in a box with the dynamics' origin at 0.
+/// Writes a texture of the shelf: its waves, or its roots as placed in a box with the dynamics' origin at 0.
 void writeTexture(CommandLine& line) {
   const std::string name = line.text("texture");
   for (const char* option : {"roots", "powers", "integer", "placement", "box", "centre", "radius"})
@@ -177,7 +177,7 @@ void writeTexture(CommandLine& line) {
   writeWaves(line, vdbtools::wavesOf(*texture, seed), note);
 }
 
-/// What 'new' makes, and the command that makes it again, less its output.
+/// The versor that 'new' makes, and the command that makes it, without its output.
 vdbtools::RationalFile newVersor(const CommandLine& line) {
   const bool cluster = line.text("placement") == "cluster";
   line.requireUse(cluster, {"centre", "radius"}, "it goes with --placement cluster; give that too, or leave it out");

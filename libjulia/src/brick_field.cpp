@@ -16,7 +16,8 @@ template <class Real>
 struct BrickField<Real>::Lattice : kernels::BrickLattice<Real> {
   double stretch = 0;  ///< upper bound of nodes per unit of space
 
-  /// What becomes of a bound of what is interpolated. Rounding keeps the order, so it bounds what is read.
+  /// Applies the knee to a bound of interpolated values. Rounding keeps the order, so the result bounds the values that
+  /// are read.
   double bent(double bound) const {
     if (!(this->more > 0)) return bound;
     const Real v = static_cast<Real>(bound);
@@ -109,7 +110,7 @@ void BrickField<Real>::ranges(std::span<const std::array<double, 3>> centres, st
   for (std::size_t i = 0; i < centres.size(); ++i) out[i] = rangeAbout(values[i], centres[i], radii[i]);
 }
 
-/// @param value  what is interpolated at the centre
+/// @param value  the interpolated value at the centre
 template <class Real>
 ValueRange BrickField<Real>::rangeAbout(Real value, const std::array<double, 3>& centre, double radius) const {
   constexpr double eps = kEpsilonOf<Real>;

@@ -14,16 +14,16 @@ namespace py = pybind11;
 
 namespace {
 
-/// Of the device of the process.
+/// Guards the device of the process.
 std::mutex theDeviceMutex;
 
 void warn(const std::string& sentence) {
   const py::gil_scoped_acquire held;
   PyErr_WarnEx(PyExc_RuntimeWarning, sentence.c_str(), 1);
-  PyErr_Clear();  // a warning that is turned into an error stops nothing in another thread
+  PyErr_Clear();  // a warning that is configured as an error must not stop anything in another thread
 }
 
-/// Puts the device of the process back.
+/// Restores the device of the process at the end of its scope.
 class DeviceKeeper {
  public:
   DeviceKeeper() : mDevice(julia::currentDevice()) {}
@@ -44,7 +44,7 @@ std::string useDevice(const std::string& choice) {
 }
 
 std::unique_ptr<julia::FieldEvaluator> evaluatorOn(const vdbtools::Scene& scene, const std::string& choice) {
-  // A scene that another thread makes meanwhile may get this device: the results are the same, to the bit.
+  // A scene that another thread makes at the same time may use this device; its results have the same bits.
   const std::scoped_lock lock(theDeviceMutex);
   const DeviceKeeper keeper;
   vdbtools::chooseDevice(choice, warn);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file device_use.h
-/// The devices of OpenCL, for the process and for single calls. What happens to one later is a warning of Python.
+/// The devices of OpenCL, for the process and for single calls. Later notices of a device become warnings of Python.
 #pragma once
 
 #include "vdbtools/scene/scene.h"
@@ -10,10 +10,11 @@
 #include <memory>
 #include <string>
 
-/// Evaluates maps there from now on. The interpreter's lock must be held.
-/// @return as vdbtools::chooseDevice() @throw as that
+/// Evaluates maps on a device from now on. The caller must hold the interpreter's lock.
+/// @return, @throw  as vdbtools::chooseDevice()
 std::string useDevice(const std::string& choice);
 
-/// The scene's field on a device, whatever the process uses. The interpreter's lock must not be held.
+/// Makes an evaluator of the scene's field on a device, whatever device the process uses. The caller must not hold the
+/// interpreter's lock.
 /// @throw as vdbtools::chooseDevice()
 std::unique_ptr<julia::FieldEvaluator> evaluatorOn(const vdbtools::Scene& scene, const std::string& choice);

@@ -51,7 +51,7 @@ py::array_t<double> triplesFrom(std::span<const Point> points) {
   return array;
 }
 
-/// What stops when the monitor is cancelled.
+/// Runs work that stops when the monitor is cancelled.
 template <class Work>
 void stoppable(Monitor& monitor, const Work& work) {
   try {
@@ -140,8 +140,8 @@ py::tuple monopolesOver(const py::object& vertices, const py::object& faces, con
                         arrayTaking(std::move(fit.residuals), {steps}));
 }
 
-/// A rational as Python has it: C, the roots of the top (n, 5) with tau, and those of the bottom with beta. A row is a
-/// position and a power.
+/// A rational as a tuple of Python: C, the roots of the top (n, 5) with tau, and those of the bottom with beta. A row
+/// is a position and a power.
 using RationalParts = std::tuple<double, py::object, double, py::object, double>;
 
 julia::Polynomial polynomialOf(const py::object& roots, double powerScale, const char* what) {

@@ -43,7 +43,7 @@ class FunctionMap final : public julia::CartesianMap<Real> {
       next.set(i, julia::Quaternion<double>{rows[4 * i], rows[4 * i + 1], rows[4 * i + 2], rows[4 * i + 3]}
                       .template as<Real>());
   }
-  /// It may return what is not finite anywhere.
+  /// The function may return values that are not finite anywhere.
   bool isDefinedEverywhere() const override { return false; }
 
  private:
@@ -61,7 +61,7 @@ class FunctionInstance final : public MapInstance {
   }
 
  private:
-  /// On the processor, whatever the device.
+  /// Always on the processor, whatever the device.
   template <class Real>
   std::unique_ptr<julia::FieldEvaluator> evaluatorIn(const julia::OrbitOptions& orbit) const {
     return julia::makeFieldEvaluator<Real>(

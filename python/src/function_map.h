@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file function_map.h
-/// A map that is any function of the program's own, as a map beside those of the library. Nothing is proved of it:
-/// every node of its ball is evaluated.
+/// A map that is an arbitrary function of the calling program. Nothing can be proved about it, so every node of its
+/// ball is evaluated.
 #pragma once
 
 #include "vdbtools/maps/map_registry.h"
@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-/// The next iterates of quaternions, given with the points where their orbits began: four numbers a quaternion in both
-/// and in the result. One with a number that is not finite has escaped. Called in many threads at once; the same
-/// iterate and start must always have the same result.
+/// Returns the next iterates of quaternions. Its arguments are the iterates and the points where their orbits began;
+/// both and the result have four numbers per quaternion. An iterate with a number that is not finite has escaped. Many
+/// threads may call it at once; the same iterate and start must always give the same result.
 using MapFunction =
     std::function<std::vector<double>(std::span<const double> iterates, std::span<const double> starts)>;
 

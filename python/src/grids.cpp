@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Grids of numbers: signed distances of meshes, and whatever is in a VDB or in an array.
+// Grids of numbers: signed distances of meshes, and the content of VDBs and arrays.
 #include "module_parts.h"
 
 #include "arrays.h"
@@ -28,7 +28,7 @@ using openvdb::FloatGrid;
 using openvdb::Vec3d;
 using vdbtools::Monitor;
 
-/// A grid, and what its file says besides it.
+/// A grid, and the other data of its file.
 struct MadeGrid {
   FloatGrid::Ptr grid;
   std::map<std::string, std::string> metadata{};

@@ -99,7 +99,7 @@ void requireExtension(const std::string& path, const std::string& known) {
     throw std::invalid_argument("the file to write is '" + path + "'; its extension must be one of " + known);
 }
 
-/// What files hold besides the mesh, with the grids. @throw vdbtools::Interrupted
+/// The grids that files contain besides the mesh. @throw vdbtools::Interrupted
 std::shared_ptr<const vdbtools::FractalResult> withGrids(MadeFractal& fractal, Monitor& monitor) {
   const auto lock = lockPatiently(fractal.gridsMutex, monitor);
   if (!fractal.grids) {

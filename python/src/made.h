@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file made.h
-/// What the Python module has a hold of: scenes, fractals and fits. Nothing here knows Python.
+/// The objects behind the Python module: scenes, fractals and fits. Nothing here depends on Python.
 #pragma once
 
 #include "function_map.h"
@@ -27,10 +27,10 @@
 #include <string>
 #include <vector>
 
-/// The name under which a mesh that came from memory stands in recipes.
+/// The name of a mesh in memory in recipes.
 inline constexpr const char* kMemory = "memory";
 
-/// What queries of a field need besides the scene (queries.h), each made when it is first asked for.
+/// The parts of a scene that only queries of a field need (queries.h), each made when it is first needed.
 struct FieldParts {
   std::timed_mutex mutex;
   std::optional<vdbtools::Control> distance, thickness, fullThickness, octave;
@@ -43,10 +43,10 @@ struct FieldParts {
 struct MadeScene {
   vdbtools::Recipe recipe;  ///< completed
   vdbtools::Scene scene;
-  vdbtools::InputFiles inputs;   ///< what was read: nothing that is written may replace one of them
-  std::optional<double> memory;  ///< bytes that the process may take for it
+  vdbtools::InputFiles inputs;   ///< the files that were read; outputs must not replace any of them
+  std::optional<double> memory;  ///< bytes that the process may use for it
 
-  /// For the first picture, made by whichever thread comes first: the scene as FractalOptions::picture has it.
+  /// For the first picture: the scene with FractalOptions::picture, made by whichever thread needs it first.
   vdbtools::FractalOptions options;
   mutable std::timed_mutex pictureMutex;
   mutable vdbtools::SceneMaker scenes;
@@ -55,13 +55,13 @@ struct MadeScene {
   mutable FieldParts parts{};
 };
 
-/// Options as they were given, and what they say.
+/// Options as they were given, and their values.
 struct NamedOptions {
   vdbtools::Recipe recipe;  ///< completed
   vdbtools::FractalOptions options;
 };
 
-/// What a recipe calls "function", if it does.
+/// The functions that a recipe refers to as "function".
 struct OwnFunctions {
   vdbtools::VersorFunction versor{};
   MapFunction map{};
@@ -77,22 +77,22 @@ NamedOptions namedOptions(const vdbtools::Recipe& given, std::shared_ptr<const v
 std::shared_ptr<MadeScene> makeNamedScene(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
                                           const OwnFunctions& functions, vdbtools::Monitor& monitor);
 
-/// @throw std::invalid_argument  a view's option is wrong
+/// @throw std::invalid_argument  an option of the view is wrong
 void checkView(const vdbtools::Recipe& view);
 /// The options of pictures and their defaults.
 vdbtools::OptionTable viewTable();
-/// A picture of the set itself, before the neutral background. May be called in several threads at once.
+/// A picture of the set itself, on the neutral background. Several threads may call it at once.
 /// @throw as vdbtools::makeScene(), for the first picture
 vdbtools::Image pictureOf(const MadeScene& made, const vdbtools::Recipe& view, vdbtools::Monitor& monitor);
 
-/// A recipe of `juliavdb fit` and what it gave.
+/// A recipe of `juliavdb fit` and its result.
 struct MadeFit {
   vdbtools::Recipe recipe;  ///< completed
   vdbtools::fit::FitResult result;
-  vdbtools::InputFiles inputs;  ///< as of a scene
+  vdbtools::InputFiles inputs;  ///< as in MadeScene
 };
 
-/// @param mesh  as that of makeNamedScene()
+/// @param mesh  as for makeNamedScene()
 /// @throw as vdbtools::fit::parseFitOptions() and vdbtools::fit::runFit()
 std::shared_ptr<MadeFit> makeFit(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
                                  vdbtools::Monitor& monitor);
@@ -101,14 +101,14 @@ std::shared_ptr<MadeFit> makeFit(const vdbtools::Recipe& given, std::shared_ptr<
 /// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted
 void writeFit(const MadeFit& fit, const std::string& path, vdbtools::Monitor& monitor);
 
-/// A fractal in memory. Once it is made nothing of it changes but the grids.
+/// A fractal in memory. Only its grids change after it was made.
 struct MadeFractal {
   std::shared_ptr<const MadeScene> made;
   vdbtools::Mesh mesh;
   std::vector<float> values;       ///< of the mesh's columns, row by row
   vdbtools::FractalResult result;  ///< without the grids
 
-  /// Made when they are first needed, by whichever thread comes first.
+  /// The grids are made by whichever thread needs them first.
   std::timed_mutex gridsMutex;
   std::shared_ptr<const vdbtools::FractalResult> grids;
 };
@@ -116,8 +116,8 @@ struct MadeFractal {
 std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, bool wantGrids,
                                          vdbtools::Monitor& monitor);
 
-/// Writes the fractal to files that all appear together. Grids that are not there yet are made first, and kept. May be
-/// called in several threads at once.
+/// Writes the fractal to files that all appear together. Grids that do not exist yet are made first, and kept. Several
+/// threads may call it at once.
 /// @throw std::invalid_argument  an extension is none of .vdb, .ply, .obj, .stl and .glb; a file is an input, or given
 ///                               twice
 /// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted

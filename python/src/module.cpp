@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Python module juliavdb._juliavdb. What users see stands in juliavdb/__init__.py, which turns arguments into the
-// text of a recipe; here are the arrays, the errors and the work.
+// The Python module juliavdb._juliavdb. The interface for users is in juliavdb/__init__.py, which turns arguments into
+// the text of a recipe; this file has the arrays, the errors and the work.
 #include "arrays.h"
 #include "device_use.h"
 #include "made.h"
@@ -104,7 +104,7 @@ py::dict infoOfFit(const MadeFit& fit) {
   return info;
 }
 
-/// An array over memory that @a owner keeps alive. It cannot be written to: what write() writes is the same memory.
+/// An array over memory that @a owner keeps alive. It is read-only, because write() writes the same memory to files.
 template <class Number, class Triple>
 py::array viewOf(const std::vector<Triple>& triples, const py::object& owner) {
   static_assert(sizeof(Triple) == 3 * sizeof(Number));
@@ -120,7 +120,7 @@ py::cpp_function viewGetter(std::vector<Triple> vdbtools::Mesh::*member) {
       [member](const py::object& self) { return viewOf<Number>(self.cast<const MadeFractal&>().mesh.*member, self); });
 }
 
-/// What a vertex has besides its position, by names, over memory that @a self keeps alive.
+/// The attributes of vertices by their names, over memory that @a self keeps alive.
 py::dict attributesOf(const py::object& self) {
   const auto& fractal = self.cast<const MadeFractal&>();
   const std::vector<vdbtools::VertexColumn> columns =
@@ -244,7 +244,7 @@ void translate(std::exception_ptr failure) {
 
 std::shared_ptr<const vdbtools::Mesh> targetOf(const py::object& vertices, const py::object& faces) {
   if (vertices.is_none()) return nullptr;
-  // Points alone; the Python side has seen to it that they have a radius.
+  // Points alone; the Python code has checked that they have a radius.
   const py::array all =
       faces.is_none() ? py::array(py::array_t<std::int64_t>(std::vector<py::ssize_t>{0, 3})) : arrayOf(faces, "faces");
   return meshOf(arrayOf(vertices, "vertices"), all);

@@ -25,8 +25,8 @@ void addGrids(pybind11::module_& module);
 
 // What the parts share.
 
-/// The target, unless a file is. @throw std::invalid_argument
+/// The target's mesh, unless the target is a file. @throw std::invalid_argument
 std::shared_ptr<const vdbtools::Mesh> targetOf(const pybind11::object& vertices, const pybind11::object& faces);
 
-/// @param text  "16G"; nothing: the environment's, as for the command @throw std::invalid_argument
+/// @param text  such as "16G"; empty: the limit of the environment, as for the command @throw std::invalid_argument
 std::optional<double> memoryOf(const std::optional<std::string>& text);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file patient_lock.h
-/// Locks of what one thread makes while others wait for it.
+/// Locks for results that one thread makes while others wait for it.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
@@ -8,7 +8,7 @@
 #include <chrono>
 #include <mutex>
 
-/// Waits for another thread that holds the mutex and may work for long.
+/// Locks a mutex whose holder may work for a long time.
 /// @throw vdbtools::Interrupted
 inline std::unique_lock<std::timed_mutex> lockPatiently(std::timed_mutex& mutex, const vdbtools::Monitor& monitor) {
   constexpr std::chrono::milliseconds kStep(50);

@@ -17,7 +17,8 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// The last evaluator that has the function may end in any thread.
+/// A reference to a function that may be released in any thread, because the last evaluator with the function may end
+/// in any thread.
 std::shared_ptr<py::object> heldInAnyThread(const py::object& function) {
   return {new py::object(function), [](py::object* object) {
             const py::gil_scoped_acquire lock;

@@ -12,7 +12,7 @@
 
 namespace {
 
-/// With dashes, as on the command line.
+/// The names of options in Python, with dashes as on the command line.
 const std::set<std::string, std::less<>>& namesInPython() {
   static const std::set<std::string, std::less<>> all = [] {
     std::set<std::string, std::less<>> names{"memory"};

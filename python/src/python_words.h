@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file python_words.h
-/// The library names options as the command line does. Here its messages are put into the words of Python.
+/// Converts the library's messages, which name options as the command line does, to the names of Python.
 #pragma once
 
 #include <string>
 #include <string_view>
 
-/// --sdf-resolution becomes sdf_resolution, for every option that Python has, too, and for the one that a message
-/// begins with. What stands in quotes, such as the value that was given, stays as it is.
+/// Replaces --sdf-resolution by sdf_resolution, for each option that Python has, too, and for the one with which a
+/// message begins. Quoted text, such as a given value, stays unchanged.
 std::string inPythonsWords(std::string_view message);

@@ -25,7 +25,7 @@ using vdbtools::Monitor;
 
 namespace {
 
-/// Does @a work in an arena of so many threads; 0: as many as there are.
+/// Runs @a work in an arena with this number of threads; 0: with all of them.
 template <class Function>
 void inThreads(int threads, const Function& work) {
   if (threads == 0) return work();
@@ -35,7 +35,7 @@ void inThreads(int threads, const Function& work) {
   arena.execute(work);
 }
 
-/// Calls body(first, count) for pieces of so many points.
+/// Calls body(first, count) for pieces of this many points.
 template <class Body>
 void forEachPiece(std::size_t points, std::size_t piece, const QueryWork& work, Monitor& monitor, const Body& body) {
   monitor.begin(vdbtools::PhaseKind::Evaluating, points);
@@ -53,7 +53,7 @@ void forEachPiece(std::size_t points, std::size_t piece, const QueryWork& work, 
 }
 
 std::vector<julia::Point> fractalPoints(const MadeScene& made, std::span<const Vec3d> points) {
-  // Not that of the lattice, which is shifted for some maps.
+  // Not the space of the lattice, which is shifted for some maps.
   const vdbtools::FractalSpace& space = made.scene.placed.space;
   std::vector<julia::Point> at;
   at.reserve(points.size());
@@ -67,7 +67,7 @@ void requireTargetOf(const MadeScene& made, const char* what) {
                                 "; give a target, or ask for something else");
 }
 
-/// Of points of world space.
+/// Reads a control at points of world space.
 void sampleControl(const vdbtools::Control& control, std::span<const Vec3d> points, std::span<double> values,
                    const QueryWork& work, Monitor& monitor) {
   constexpr std::size_t kPieceOfControl = 4096;
@@ -76,7 +76,7 @@ void sampleControl(const vdbtools::Control& control, std::span<const Vec3d> poin
   });
 }
 
-/// A piece of the points, for evaluations that cost as much as F.
+/// Calls body for pieces of the points, for evaluations that cost as much as F.
 template <class Body>
 void forEachBatch(const MadeScene& made, const julia::FieldEvaluator& evaluator, std::span<const Vec3d> points,
                   const QueryWork& work, Monitor& monitor, const Body& body) {
@@ -85,8 +85,8 @@ void forEachBatch(const MadeScene& made, const julia::FieldEvaluator& evaluator,
   });
 }
 
-/// A part of a field, which whichever thread comes first makes by make().
-/// @param place  (parts): where it is kept
+/// Returns a part of a field, which the first thread that needs it makes by make().
+/// @param place  (parts): returns where the part is stored
 template <class Place, class Make>
 const auto& partOf(const MadeScene& made, const Monitor& monitor, const Place& place, const Make& make) {
   const auto lock = lockPatiently(made.parts.mutex, monitor);
@@ -233,7 +233,7 @@ void gradientsAt(const MadeScene& made, std::span<const Vec3d> points, double st
         smooth = smooth && steps[start + k] == steps[start] && std::abs(field[start + k]) < julia::kFieldLimit;
       for (int axis = 0; axis < 3; ++axis) {
         const std::size_t low = start + 1 + 2 * static_cast<std::size_t>(axis);
-        // The points' true distance, which rounding has changed.
+        // The actual distance of the two points, which differs by rounding.
         const double across = all[low + 1][static_cast<std::size_t>(axis)] - all[low][static_cast<std::size_t>(axis)];
         gradients[first + i][axis] = smooth && across > 0 ? (field[low + 1] - field[low]) / (across * scale)
                                                           : std::numeric_limits<double>::quiet_NaN();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file queries.h
-/// What a field says of points: its value, and all that the value is made of. Points are in world units, and where no
-/// node of a lattice is asked for, maps lie where their definition has them: nothing is shifted (MapSettings::
-/// latticeShift()). Nothing here knows Python.
+/// Evaluates fields at points: the value, and everything from which it is made. Points are in world units. Unless a
+/// node of a lattice is requested, maps are evaluated where their definition places them, without a shift
+/// (MapSettings::latticeShift()). Nothing here depends on Python.
 #pragma once
 
 #include "made.h"
@@ -15,31 +15,31 @@
 
 /// How a query is answered.
 struct QueryWork {
-  int threads = 0;          ///< at most this many; 0: as many as there are. Not below 0
-  std::string device = {};  ///< as --device has it; empty: where the process evaluates
+  int threads = 0;          ///< maximum number of threads, not negative; 0: all
+  std::string device = {};  ///< a value of --device; empty: the device of the process
 };
 
-// All of these throw vdbtools::Interrupted, and std::invalid_argument where the scene has no such thing.
+// All functions throw vdbtools::Interrupted, and std::invalid_argument if the scene does not have the quantity.
 
-/// F.
+/// Sets @a field to F.
 /// @throw std::invalid_argument, vdbtools::DeviceError  as vdbtools::chooseDevice()
 void evaluateAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> field,
                 const QueryWork& work, vdbtools::Monitor& monitor);
 
-/// The target's signed distance phi, world units, read trilinearly as far as the scene knows it: beyond, it is the
+/// The target's signed distance phi, world units, read trilinearly as far as the scene knows it; farther away it is the
 /// width of the band.
 void distancesAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> distances,
                  const QueryWork& work, vdbtools::Monitor& monitor);
 
-/// The target's local thickness, world units: what the attribute "tau" of a mesh is.
+/// The target's local thickness, world units, as in the attribute "tau" of meshes.
 void thicknessAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> thickness,
                  const QueryWork& work, vdbtools::Monitor& monitor);
 
-/// The same with a slope of kThicknessSlope, and not less where detail is deep.
+/// The same with a slope of kThicknessSlope, which is not reduced for deep detail.
 void fullThicknessAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> thickness,
                      const QueryWork& work, vdbtools::Monitor& monitor);
 
-/// The octave of a texture that follows the thickness (octave_grid.h), read as the texture reads it.
+/// The octave of a texture that follows the thickness (octave_grid.h), interpolated as for the texture.
 void octavesAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> octaves,
                const QueryWork& work, vdbtools::Monitor& monitor);
 
@@ -51,23 +51,23 @@ void exponentsAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, 
 void versorsAt(const MadeScene& made, std::span<const openvdb::Vec3d> points,
                std::span<julia::Quaternion<double>> versors, const QueryWork& work, vdbtools::Monitor& monitor);
 
-/// The smallest modulus among the iterates, fractal space; infinite where there is none.
+/// The smallest modulus among the iterates, fractal space; infinite if there is none.
 void trapsAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> traps,
              const QueryWork& work, vdbtools::Monitor& monitor);
 
 /// The slope of F along the axes per world unit: central differences of F in doubles. It is NaN where the orbits of the
-/// seven points do not take the same number of steps, since F jumps there.
-/// @param step  to either side, world units; 0: a share of 1e-7 of the target's longest side
-/// @pre 0 or above, and finite
+/// seven points take different numbers of steps, because F jumps there.
+/// @param step  to either side, world units; 0: 1e-7 of the target's longest side
+/// @pre @a step is 0 or above, and finite
 void gradientsAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, double step,
                  std::span<openvdb::Vec3d> gradients, const QueryWork& work, vdbtools::Monitor& monitor);
 
-/// What ball arithmetic proves of balls: -1, F < 0 at each point; 1, F >= 0 at each point; 0, nothing.
-/// @param radii  world units, one a ball, or one for all
-/// @pre radii of 0 or above, and finite
+/// What ball arithmetic proves about balls: -1: F < 0 at each point; 1: F >= 0 at each point; 0: nothing.
+/// @param radii  world units, one per ball, or one for all
+/// @pre all radii are 0 or above, and finite
 void decideAt(const MadeScene& made, std::span<const openvdb::Vec3d> centres, std::span<const double> radii,
               std::span<std::int8_t> decisions, const QueryWork& work, vdbtools::Monitor& monitor);
 
-/// Whole orbits. @pre the sizes of @a trace
+/// Follows whole orbits. @pre the spans of @a trace have the right sizes
 void orbitsAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, const julia::OrbitTrace& trace,
               const QueryWork& work, vdbtools::Monitor& monitor);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is measured on planes and over resolutions.
+// Measurements on planes and over resolutions.
 #include "module_parts.h"
 
 #include "arrays.h"
@@ -22,8 +22,8 @@ namespace {
 using openvdb::Vec3d;
 using vdbtools::Monitor;
 
-/// The plane of a picture, as the options --axis, --position and --size frame it.
-/// @param usual  a point of the plane if there is no position @throw std::invalid_argument
+/// The plane of a picture, as framed by the options --axis, --position and --size.
+/// @param usual  a point of the plane if no position is given @throw std::invalid_argument
 vdbtools::SlicePlane planeOf(const MadeScene& made, const std::string& axis, const std::optional<double>& position,
                              int size, const Vec3d& usual) {
   if (axis != "x" && axis != "y" && axis != "z")
@@ -35,7 +35,7 @@ vdbtools::SlicePlane planeOf(const MadeScene& made, const std::string& axis, con
   return {number, position.value_or(usual[static_cast<int>(number)]), vdbtools::sliceFrame(made.scene), size};
 }
 
-/// The places of the pixels, (height, width, 3).
+/// The positions of the pixels, (height, width, 3).
 py::array_t<double> planeAt(const MadeScene& made, const std::string& axis, const std::optional<double>& position,
                             int size) {
   const vdbtools::SlicePlane plane = planeOf(made, axis, position, size, vdbtools::sliceFrame(made.scene).getCenter());

@@ -20,9 +20,9 @@ namespace py = pybind11;
 
 namespace {
 
-/// How often the calling thread looks for signals and tells of the progress.
+/// The interval at which the calling thread checks for signals and reports the progress.
 constexpr std::chrono::milliseconds kTick(50);
-/// Of how many ticks one looks at the memory.
+/// The number of such intervals between two checks of the memory.
 constexpr int kTicksOfMemory = 4;
 
 struct PhaseNews {
@@ -42,7 +42,7 @@ class WatchedMonitor final : public vdbtools::Monitor {
   bool cancelled() const override { return mCancelled; }
   void cancel() { mCancelled = true; }
 
-  /// The phases that began since the last call, and how far the last of them has come.
+  /// The phases that began since the last call, and how much of the last one is done.
   std::vector<PhaseNews> news() {
     const std::scoped_lock lock(mMutex);
     std::vector<PhaseNews> news;
@@ -59,7 +59,7 @@ class WatchedMonitor final : public vdbtools::Monitor {
   }
 
  private:
-  std::mutex mMutex;  // of the phases; steps are counted without it
+  std::mutex mMutex;  // guards the phases; steps are counted without it
   std::vector<std::string> mBegun;
   std::string mPhase;
   std::uint64_t mTotal = 0;
@@ -99,7 +99,7 @@ void doWatched(const py::object& progress, std::optional<double> memory,
     over = true;
     ended.notify_one();
   });
-  // Whatever happens, the worker ends first: it uses what lives here.
+  // The worker must end before this function does in any case, because it uses local variables.
   int tick = 0;
   for (bool last = false; !last; ++tick) {
     {
@@ -125,6 +125,6 @@ void doWatched(const py::object& progress, std::optional<double> memory,
   }
   if (stopped) std::rethrow_exception(stopped);
   if (failure) std::rethrow_exception(failure);
-  // Small work may end before it sees that it is to stop.
+  // Short work may end before it notices that it was cancelled.
   monitor.throwIfCancelled();
 }

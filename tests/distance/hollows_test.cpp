@@ -95,7 +95,7 @@ class HollowSolids : public testing::Test {
     PartCounts found;
     const FloatGrid::Ptr phi = meshToSdf(mesh, hollowBand(Hollows::Keep), mMonitor, &found);
     EXPECT_LT(worstInVoxels(*phi, exact), 0.05);
-    EXPECT_EQ(found, counts) << found.united << ' ' << found.hollows << ' ' << found.inner;
+    EXPECT_EQ(found, counts) << found.intersecting << ' ' << found.hollows << ' ' << found.inner;
     // Beyond the bands each node has its side.
     for (auto value = phi->cbeginValueOff(); value; ++value) {
       if (!value.isVoxelValue()) continue;
@@ -126,7 +126,7 @@ TEST_F(HollowSolids, FilledTheyAreWhatTheOuterPartIsAlone) {
         std::pair(mergedAll({outer, flipped(fineSphere(0.7)), fineSphere(0.4)}), PartCounts{.hollows = 1})}) {
     PartCounts found;
     expectSameBand(*meshToSdf(mesh, hollowBand(Hollows::Fill, 4, 4), mMonitor, &found), *solid);
-    EXPECT_EQ(found, counts) << found.united << ' ' << found.hollows << ' ' << found.inner;
+    EXPECT_EQ(found, counts) << found.intersecting << ' ' << found.hollows << ' ' << found.inner;
   }
 }
 
@@ -170,19 +170,19 @@ TEST_F(HollowSolids, PartsThatCrossAreOneSurface) {
   // The cavity lies in both of the solids, whose union it is in.
   FloatGrid::Ptr phi = meshToSdf(mergedAll({fineSphere(1), fineSphere(1, aside), flipped(fineSphere(0.3, aside / 2))}),
                                  hollowBand(Hollows::Keep), mMonitor, &found);
-  EXPECT_EQ(found, (PartCounts{.united = 2, .inner = 1})) << "the winding number in it is 1";
+  EXPECT_EQ(found, (PartCounts{.intersecting = 2, .inner = 1})) << "the winding number in it is 1";
   const auto at = [&phi](const Vec3d& p) { return phi->tree().getValue(openvdb::Coord::round(phi->worldToIndex(p))); };
   EXPECT_LT(at(aside / 2), 0.0F);
   // In one of them it is a cavity.
   phi = meshToSdf(mergedAll({fineSphere(1), fineSphere(1, aside * 2), flipped(fineSphere(0.2, Vec3d(-0.5, 0, 0)))}),
                   hollowBand(Hollows::Keep), mMonitor, &found);
-  EXPECT_EQ(found, (PartCounts{.united = 2, .hollows = 1}));
+  EXPECT_EQ(found, (PartCounts{.intersecting = 2, .hollows = 1}));
   EXPECT_GT(at(Vec3d(-0.5, 0, 0)), 0.0F);
   // Two that cross are one cavity.
   const Vec3d left(-0.2, 0, 0), right(0.2, 0, 0);
   phi = meshToSdf(mergedAll({fineSphere(1), flipped(fineSphere(0.3, left)), flipped(fineSphere(0.3, right))}),
                   hollowBand(Hollows::Keep), mMonitor, &found);
-  EXPECT_EQ(found, (PartCounts{.united = 2, .hollows = 1}));
+  EXPECT_EQ(found, (PartCounts{.intersecting = 2, .hollows = 1}));
   for (const Vec3d& p : {left, right, Vec3d(0), Vec3d(-0.4, 0, 0)}) EXPECT_GT(at(p), 0.0F) << p;
   EXPECT_LT(at(Vec3d(0, 0.6, 0)), 0.0F);
 }
@@ -194,7 +194,7 @@ TEST_F(HollowSolids, APartThatCrossesTheOuterOneIsNoHollow) {
     PartCounts found;
     const Mesh mesh = merged(outer, flipped(inner));
     const FloatGrid::Ptr kept = meshToSdf(mesh, hollowBand(Hollows::Keep, 4, 4), mMonitor, &found);
-    EXPECT_EQ(found, (PartCounts{.united = 2}));
+    EXPECT_EQ(found, (PartCounts{.intersecting = 2}));
     expectSameBand(*kept, *meshToSdf(mesh, hollowBand(Hollows::Fill, 4, 4), mMonitor));
   }
 }
@@ -205,7 +205,8 @@ TEST_F(HollowSolids, OpenPartsAndPartsOfNoOrientationDecideNothing) {
   sheet.points = {{-0.7, 0, 0}, {0.7, 0, 0}, {0, 0.7, 0}};
   sheet.triangles = {Vec3I(0, 1, 2)};
   // A sheet that passes through the wall of the cavity is part of neither.
-  expectDistances(mergedAll({outer, sheet, inner}), differenceOf(toBall(1), toBall(0.5)), {.united = 2, .hollows = 1});
+  expectDistances(mergedAll({outer, sheet, inner}), differenceOf(toBall(1), toBall(0.5)),
+                  {.intersecting = 2, .hollows = 1});
   Mesh mixed = outer;
   std::swap(mixed.triangles[7][0], mixed.triangles[7][1]);
   expectDistances(merged(mixed, inner), toBall(1), {.inner = 1});

@@ -140,23 +140,25 @@ struct Arrangement {
 
 const std::vector<Arrangement>& arrangements() {
   static const std::vector<Arrangement> all = {
-      {"two that overlap", {box(0, 0, 0, 1, 1, 1), box(0.6, 0.3, 0.4, 1.7, 0.8, 0.9)}, {.united = 2}},
-      {"a thin one through another", {box(0, 0, 0, 1, 1, 1), box(-0.5, 0.4, 0.4, 1.5, 0.5, 0.5)}, {.united = 2}},
+      {"two that overlap", {box(0, 0, 0, 1, 1, 1), box(0.6, 0.3, 0.4, 1.7, 0.8, 0.9)}, {.intersecting = 2}},
+      {"a thin one through another", {box(0, 0, 0, 1, 1, 1), box(-0.5, 0.4, 0.4, 1.5, 0.5, 0.5)}, {.intersecting = 2}},
       {"one within another", {box(0, 0, 0, 1, 1, 1), box(0.1, 0.2, 0.3, 0.5, 0.6, 0.95)}, {.inner = 1}},
-      {"two that touch", {box(0, 0, 0, 1, 1, 1), box(1, 0.2, 0.2, 1.7, 0.8, 0.8)}, {.united = 2}},
+      {"two that touch", {box(0, 0, 0, 1, 1, 1), box(1, 0.2, 0.2, 1.7, 0.8, 0.8)}, {.intersecting = 2}},
       {"faces that coincide",
        {box(0, 0, 0, 1, 1, 1), box(1, 0, 0, 2, 1, 1), box(0.5, 0, 0.5, 1.5, 1, 1.5)},
-       {.united = 2}},
+       {.intersecting = 2}},
       {"the same twice", {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 1, 1, 1)}, {}},
-      {"one within another, at a corner of both", {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 0.6, 0.7, 0.5)}, {.united = 2}},
+      {"one within another, at a corner of both",
+       {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 0.6, 0.7, 0.5)},
+       {.intersecting = 2}},
       {"one through another, from a corner of both",
        {box(0, 0, 0, 1, 1, 1), box(0, 0, 0, 1.5, 0.4, 0.3)},
-       {.united = 2}},
+       {.intersecting = 2}},
       {"two that meet in a corner alone", {box(0, 0, 0, 1, 1, 1), box(1, 1, 1, 1.6, 1.7, 1.5)}, {}},
       {"a chair",
        {box(0, 0, 0.9, 1, 1, 1.04), box(0, 0.88, 0.9, 1, 1, 2), box(0, 0, 0, 0.12, 0.12, 1),
         box(0.88, 0, 0, 1, 0.12, 1), box(0, 0.88, 0, 0.12, 1, 1), box(0.88, 0.88, 0, 1, 1, 1)},
-       {.united = 5}}};
+       {.intersecting = 5}}};
   return all;
 }
 
@@ -216,7 +218,7 @@ TEST_F(OuterSurface, OnePartMayCrossItself) {
   ASSERT_TRUE(reportMesh(tube).closed());
   PartCounts found;
   EXPECT_LT(worst(*meshToSdf(turned(tube), kWhole, monitor, &found), Boxes(boxes)), 1e-3);
-  EXPECT_EQ(found, PartCounts{.united = 1});
+  EXPECT_EQ(found, PartCounts{.intersecting = 1});
 }
 
 /// A closed tube in the form of an eight, which crosses itself in the middle.
@@ -265,7 +267,7 @@ TEST_F(OuterSurface, APartIsExaminedOnlyWhereItMayCrossItself) {
   outer.push_back(inner[inner.size() / 2]);
   const auto surface = outerSurfaceOf(eight, outer);
   ASSERT_TRUE(surface);
-  EXPECT_EQ(surface->parts, PartCounts{.united = 1});
+  EXPECT_EQ(surface->parts, PartCounts{.intersecting = 1});
   EXPECT_GT(surface->triangles.size(), eight.triangles.size() / 2);
   const Mesh left{.points = surface->points, .triangles = surface->triangles};
   for (const HiddenPlace& place : placesOf(left)) EXPECT_FALSE(Eight::isDeep(place.point)) << place.point;

@@ -92,7 +92,7 @@ class TilesOfIslands : public testing::Test {
   /// @return what one run says of its islands
   IslandReport expectOneRun(const Recipe& recipe, const std::vector<TilePlanOptions>& cuts) {
     const IslandReport one = makeOneRun(recipe).islands.value();
-    EXPECT_LT(one.kept, one.islands) << "nothing was dropped";
+    EXPECT_LT(one.keptIslands, one.islands) << "nothing was dropped";
     for (TilePlanOptions cut : cuts) {
       SCOPED_TRACE(cut.tiles ? "tiles " + std::to_string(*cut.tiles) : "nodes " + std::to_string(*cut.tileNodes));
       cut.makes = {"vdb", "ply"};
@@ -100,7 +100,7 @@ class TilesOfIslands : public testing::Test {
       const MergeResult result =
           mergePlan(folder, readManifest(folder), {.vdb = inFolder("all.vdb"), .mesh = inFolder("all.ply")}, mMonitor);
       EXPECT_EQ(result.islands->islands, one.islands);
-      EXPECT_EQ(result.islands->kept, one.kept);
+      EXPECT_EQ(result.islands->keptIslands, one.keptIslands);
       EXPECT_EQ(result.islands->droppedNodes, one.droppedNodes);
       expectSame(".vdb");
       expectSame(".ply");
@@ -122,7 +122,7 @@ TEST_F(TilesOfIslands, TheLargestAreThoseOfOneRun) {
 }
 
 TEST_F(TilesOfIslands, TheSmallOnesAreThoseOfOneRun) {
-  EXPECT_GT(expectOneRun(shape({{"min-size", "0.25"}}), {{.tiles = 7}, {.tileNodes = 13}}).kept, 1U);
+  EXPECT_GT(expectOneRun(shape({{"min-size", "0.25"}}), {{.tiles = 7}, {.tileNodes = 13}}).keptIslands, 1U);
   expectOneRun(shape({{"min-size", "0.2"}, {"largest", "4"}}), {{.tileNodes = 17}});
 }
 
@@ -165,7 +165,7 @@ TEST_F(TilesOfIslands, TilesWithinASolidCount) {
   const Scene scene = makeScene(options, mMonitor);
   FractalField one = evaluateField(planScene(scene), scene.source(), {}, mMonitor);
   const IslandReport report = dropIslands(one, options.surface.islands, mMonitor);
-  EXPECT_EQ(report.kept, 1U);
+  EXPECT_EQ(report.keptIslands, 1U);
   EXPECT_GT(report.droppedNodes, 100000U);
 
   std::vector<TileIslandsReader> tiles;
@@ -183,7 +183,7 @@ TEST_F(TilesOfIslands, TilesWithinASolidCount) {
   EXPECT_GT(within, 0U) << "no tile lies within the solid, so nothing was tested";
   const JoinedIslands joined = joinIslands(tiles, options.surface.islands, scene.voxelSize, mMonitor);
   EXPECT_EQ(joined.report.islands, report.islands);
-  EXPECT_EQ(joined.report.kept, report.kept);
+  EXPECT_EQ(joined.report.keptIslands, report.keptIslands);
   EXPECT_EQ(joined.report.droppedNodes, report.droppedNodes);
 }
 
@@ -288,7 +288,7 @@ TEST_F(NoiseTiles, EveryNodeIsKeptOrDroppedAsInOneField) {
       const Tiles tiles = tilesOf(boxes);
       const JoinedIslands joined = joinIslands(tiles.read, options, 1, mMonitor);
       EXPECT_EQ(joined.report.islands, report.islands);
-      EXPECT_EQ(joined.report.kept, report.kept);
+      EXPECT_EQ(joined.report.keptIslands, report.keptIslands);
       EXPECT_EQ(joined.report.droppedNodes, report.droppedNodes);
       for (std::size_t i = 0; i < boxes.size(); ++i) {
         std::uint64_t own = 0;
@@ -297,7 +297,7 @@ TEST_F(NoiseTiles, EveryNodeIsKeptOrDroppedAsInOneField) {
           ASSERT_EQ(part.has_value(), mField.field->tree().getValue(*node) < 0) << *node;
           if (!part) continue;
           ++own;
-          ASSERT_EQ(joined.kept[i][*part], one.field->tree().getValue(*node) < 0) << *node;
+          ASSERT_EQ(joined.keptParts[i][*part], one.field->tree().getValue(*node) < 0) << *node;
         }
         tiles.read[i].forEachOwn([&](std::span<const InsideRun> runs) {
           for (const InsideRun& run : runs)

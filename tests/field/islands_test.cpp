@@ -101,7 +101,7 @@ Nodes unionOf(const std::vector<Nodes>& islands) {
 void expectKept(const FractalField& before, const FractalField& after, const IslandReport& report,
                 const std::vector<Nodes>& all, const std::vector<Nodes>& kept, const CoordBBox& box) {
   EXPECT_EQ(report.islands, all.size());
-  EXPECT_EQ(report.kept, kept.size());
+  EXPECT_EQ(report.keptIslands, kept.size());
   const Nodes left = unionOf(kept);
   EXPECT_EQ(report.droppedNodes, unionOf(all).size() - left.size());
   EXPECT_EQ(insideNodes(after, box), left);
@@ -176,9 +176,9 @@ TEST(Islands, OfChosenSizeStayInAnyUnits) {
       SCOPED_TRACE(testing::Message() << length << " voxels of " << thousandths << "/1000");
       const double size = length * thousandths / 1000.0;
       FractalField field = fieldOf(rods, thousandths / 1000.0);
-      EXPECT_EQ(drop(field, {.minSize = size}).kept, 31u - static_cast<unsigned>(length));
+      EXPECT_EQ(drop(field, {.minSize = size}).keptIslands, 31u - static_cast<unsigned>(length));
       if (length < 30) {
-        EXPECT_EQ(drop(field, {.minSize = size * 1.001}).kept, 30u - static_cast<unsigned>(length));
+        EXPECT_EQ(drop(field, {.minSize = size * 1.001}).keptIslands, 30u - static_cast<unsigned>(length));
       }
     }
 }
@@ -253,10 +253,10 @@ TEST(Islands, TilesAreShortForTheirNodes) {
     FractalField a = copyOf(sparse), b = copyOf(dense);
     const IslandReport inTiles = drop(a, options), inNodes = drop(b, options);
     EXPECT_EQ(inTiles.islands, inNodes.islands);
-    EXPECT_EQ(inTiles.kept, inNodes.kept);
+    EXPECT_EQ(inTiles.keptIslands, inNodes.keptIslands);
     EXPECT_EQ(inTiles.droppedNodes, inNodes.droppedNodes);
     EXPECT_GT(inTiles.islands, 1000u);
-    EXPECT_LT(inTiles.kept, inTiles.islands);
+    EXPECT_LT(inTiles.keptIslands, inTiles.islands);
     EXPECT_TRUE(a.field->tree().hasSameTopology(tree));
     const auto value = a.field->getConstAccessor();
     for (auto leaf = b.field->tree().cbeginLeaf(); leaf; ++leaf)
@@ -286,7 +286,7 @@ TEST(Islands, ReachThroughTilesOfTheRoot) {
 
   field = copyOf(start);
   report = drop(field, {.minSize = 2 * kTile + 1 + 8});
-  EXPECT_EQ(report.kept, 1u);
+  EXPECT_EQ(report.keptIslands, 1u);
   field = copyOf(start);
   EXPECT_THROW(drop(field, {.minSize = 2 * kTile + 1 + 9}), DataError);
 }
@@ -477,7 +477,7 @@ TEST(Islands, LargeOnesGoWithAllTheirTiles) {
     FractalField rest = copyOf(field);
     const IslandReport report = drop(rest, c.options);
     EXPECT_EQ(report.islands, 4u);
-    EXPECT_EQ(report.kept, c.kept);
+    EXPECT_EQ(report.keptIslands, c.kept);
     for (const Vec3d& x : c.outside) EXPECT_GT(rest.field->tree().getValue(Coord::round(x)), 0) << x;
     for (const Vec3d& x : c.inside) EXPECT_LT(rest.field->tree().getValue(Coord::round(x)), 0) << x;
     const Mesh mesh = meshOf(rest);
@@ -526,8 +526,8 @@ TEST(Islands, DroppingTwiceChangesNothing) {
     const IslandReport first = drop(once, options);
     FractalField twice = copyOf(once);
     const IslandReport second = drop(twice, options);
-    EXPECT_EQ(second.islands, first.kept);
-    EXPECT_EQ(second.kept, first.kept);
+    EXPECT_EQ(second.islands, first.keptIslands);
+    EXPECT_EQ(second.keptIslands, first.keptIslands);
     EXPECT_EQ(second.droppedNodes, 0u);
     for (auto node = field.domain.begin(); node; ++node)
       ASSERT_EQ(once.field->tree().getValue(*node), twice.field->tree().getValue(*node)) << *node;

@@ -70,7 +70,7 @@ void readTile(std::string_view bytes) {
   const std::filesystem::path path = scratchFile("file.tile", bytes);
   for (const bool filtered : {false, true}) {
     TileReader reader(path);
-    if (filtered) reader.setFilter({.kept = {true, false, true}});
+    if (filtered) reader.setFilter({.keptParts = {true, false, true}});
     while (reader.nextX()) reader.next();
   }
 }

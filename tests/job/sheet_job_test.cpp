@@ -165,13 +165,13 @@ TEST_F(SheetJob, RecipesAreCompleteAndComeBack) {
 
 TEST_F(SheetJob, OnlyNewCellsAreMade) {
   const SheetPage first = make(options({"alpha=20,40"}));
-  EXPECT_EQ(first.kept, 0U);
+  EXPECT_EQ(first.reusedCells, 0U);
   EXPECT_EQ(finished().size(), 2U);
   const SheetPage again = make(options({"alpha=20,40"}));
-  EXPECT_EQ(again.kept, 2U);
+  EXPECT_EQ(again.reusedCells, 2U);
   EXPECT_EQ(again.picture, first.picture);
   const SheetPage more = make(options({"alpha=40,30,20"}));
-  EXPECT_EQ(more.kept, 2U);
+  EXPECT_EQ(more.reusedCells, 2U);
   EXPECT_EQ(finished().size(), 3U);
   EXPECT_EQ(more.picture, make(options({"alpha=40,30,20"}), "elsewhere").picture) << "a kept cell looks otherwise";
 }
@@ -181,24 +181,24 @@ TEST_F(SheetJob, WhatChangesACellMakesItAgain) {
   make(usual);
   SheetOptions other = usual;
   other.view["azimuth"] = "10";
-  EXPECT_EQ(make(other).kept, 0U);
+  EXPECT_EQ(make(other).reusedCells, 0U);
   other = usual;
   other.base["texture-seed"] = "2";
-  EXPECT_EQ(make(other).kept, 0U);
-  EXPECT_EQ(make(usual).kept, 2U);
+  EXPECT_EQ(make(other).reusedCells, 0U);
+  EXPECT_EQ(make(usual).reusedCells, 2U);
   std::ostringstream stream;
   writeMesh(stream, test_meshes::makeSphere(1.2, 2), {.format = MeshFormat::Obj});
   mFolder.write("ball.obj", stream.str());
-  EXPECT_EQ(make(usual).kept, 0U) << "the mesh is another one";
+  EXPECT_EQ(make(usual).reusedCells, 0U) << "the mesh is another one";
 }
 
 TEST_F(SheetJob, ABrokenCellIsMadeAgain) {
   const SheetPage first = make(options({"alpha=20,40"}));
   for (const std::string& name : finished()) mFolder.write("cells/" + name, "no picture");
   const SheetPage again = make(options({"alpha=20,40"}));
-  EXPECT_EQ(again.kept, 0U);
+  EXPECT_EQ(again.reusedCells, 0U);
   EXPECT_EQ(again.picture, first.picture);
-  EXPECT_EQ(make(options({"alpha=20,40"})).kept, 2U);
+  EXPECT_EQ(make(options({"alpha=20,40"})).reusedCells, 2U);
 }
 
 TEST_F(SheetJob, AFailedCellLeavesTheOthersAlone) {
@@ -287,7 +287,7 @@ TEST_F(SheetJob, AnInterruptionKeepsWhatIsFinished) {
   EXPECT_THROW(makeSheet(what, mFolder.path() / "cells", impatient), Interrupted);
   EXPECT_EQ(finished().size(), 2U);
   const SheetPage page = make(what);
-  EXPECT_EQ(page.kept, 2U);
+  EXPECT_EQ(page.reusedCells, 2U);
   EXPECT_EQ(page.picture, make(what, "elsewhere").picture);
 }
 

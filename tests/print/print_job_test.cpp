@@ -153,13 +153,13 @@ TEST(PrintJob, KeepsTheLargestIslandAndFillsCavities) {
   const PrintedPart part = printed(mesh, {.size = 30});
   expectStands(part, 30);
   EXPECT_EQ(part.islands, 2u);
-  EXPECT_EQ(part.kept, 1u);
+  EXPECT_EQ(part.keptIslands, 1u);
   EXPECT_EQ(part.cavities, 1u);
   const double ofSpeck = mesh_laws::volume(speck), ofBall = mesh_laws::volume(ball);
   EXPECT_NEAR(part.droppedShare, ofSpeck / (ofSpeck + ofBall), 1e-9);
   EXPECT_NEAR(part.volume, ofBall * std::pow(part.scale, 3), 1e-6 * part.volume);
   EXPECT_EQ(part.mesh.triangles.size(), ball.triangles.size());
-  EXPECT_EQ(printed(mesh, {.size = 30, .islands = 2, .resolution = 80}).kept, 2u);
+  EXPECT_EQ(printed(mesh, {.size = 30, .islands = 2, .resolution = 80}).keptIslands, 2u);
 }
 
 TEST(PrintJob, HasFewerTrianglesWithinATolerance) {

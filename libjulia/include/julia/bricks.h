@@ -34,10 +34,10 @@ struct Bricks {
   std::size_t size() const { return std::size_t{side()} * side() * side(); }
 };
 
-/// A bend of what is read: an interpolated v becomes v + more min(v - at, 0).
+/// A bend in the values that are read: an interpolated v becomes v + more min(v - at, 0).
 struct Knee {
   double at = 0;
-  double more = 0;  ///< what the slope below has more than that above, >= 0
+  double more = 0;  ///< by how much the slope below the knee exceeds that above it, >= 0
 };
 
 /// Where the lattice lies, and how it is read. A point's position in nodes is matrix times point plus offset.

@@ -21,7 +21,7 @@
 
 namespace julia {
 
-/// F as plain values, from which another back end could be built.
+/// F as plain values, from which another back end can be built.
 struct FieldDescription {
   MapDescription map;     ///< empty if the map has no description
   Embedding embedding;    ///< how the points lie in the quaternions
@@ -95,7 +95,8 @@ class FieldEvaluator {
                              std::span<double> found) const;
 };
 
-/// Makes the only back end so far, which runs batches through the vector kernels in the type Real (float or double).
+/// Makes the back end of the processor, which runs batches through the vector kernels in the type Real (float or
+/// double). onCurrentDevice() (device/device.h) puts it on a device.
 /// @throw std::invalid_argument if the options are out of their domain
 template <class Real>
 std::unique_ptr<FieldEvaluator> makeFieldEvaluator(std::shared_ptr<const Map<Real>> map, const Embedding& embedding,

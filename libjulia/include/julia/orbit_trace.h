@@ -28,7 +28,7 @@ struct OrbitTrace {
   std::span<OrbitEnd> ends;                ///< one a point
 };
 
-/// An evaluator that can follow orbits. All evaluators of this library are such.
+/// An evaluator that can follow orbits. All evaluators of this library can.
 class OrbitTracer {
  public:
   virtual ~OrbitTracer() = default;
@@ -39,8 +39,8 @@ class OrbitTracer {
 
 /// Follows the orbits of points as @a evaluator evaluates them. Evaluators that confirm their trap follow all orbits to
 /// their ends.
-/// @throw std::invalid_argument  a span has another size than its description says
-/// @throw std::logic_error       the evaluator is no OrbitTracer
+/// @throw std::invalid_argument  the size of a span differs from its description
+/// @throw std::logic_error       the evaluator is not an OrbitTracer
 void traceOrbits(const FieldEvaluator& evaluator, std::span<const Point> points, const OrbitTrace& trace);
 
 }  // namespace julia

@@ -23,8 +23,8 @@
 namespace julia::device {
 namespace {
 
-/// Points of the space of a map: in the ball in which orbits begin, and more of them near its centre. The processor
-/// evaluates those outside of it, which would try nothing.
+/// Points on which the device is tested: in the ball in which orbits begin, and more of them near its centre. Points
+/// outside the ball would test nothing, because the processor evaluates those.
 std::vector<Point> pointsToTry(double escapeRadius) {
   constexpr std::size_t kCount = 4096;
   std::vector<Point> points(kCount);
@@ -89,7 +89,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   }
 
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
-    // A few points are evaluated sooner than they are sent.
+    // A few points are evaluated faster than they are sent.
     constexpr std::size_t kFew = 64;
     if (points.size() < kFew || !isDone([&] { evaluateThere(points, field, iterations); }))
       mHost->evaluate(points, field, iterations);
@@ -128,7 +128,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   static constexpr const char* kFollow = "followOrbits";
   static constexpr std::size_t kMostAtOnce = std::size_t{1} << 18;
 
-  /// What one thread evaluates points with, kept between calls.
+  /// The memory with which one thread evaluates points, kept between calls.
   struct Work {
     explicit Work(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, kFollow) { of.setShared(lane); }
 
@@ -138,7 +138,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     std::vector<Real> pointsHere{}, endsHere{};
     std::vector<std::int32_t> stepsHere{};
   };
-  /// What one thread searches edges with.
+  /// The memory with which one thread searches edges.
   struct Search {
     explicit Search(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, "searchEdges") { of.setShared(lane); }
 
@@ -152,7 +152,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
 
   bool searches() const { return mDevice->info().doubles; }
 
-  /// Whether the device has done @a work; if it fails, it is not asked again.
+  /// Calls @a work. @return false if the device fails; it is not used again after that
   template <class Function>
   bool isDone(const Function& work) const {
     if (mLost) return false;
@@ -186,7 +186,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < edges.size(); ++i) {
       edges[i].to = storedField(atEnds[i]);
-      // Of some, only the sign is known.
+      // For some edges, F at one end is known by its sign alone.
       if (i % 4 == 0) (edges[i].to < 0 ? edges[i].from : edges[i].to) = static_cast<float>(kFieldLimit);
       if ((field[i] < 0) != (atEnds[i] < 0)) edges[kept++] = edges[i];
     }
@@ -197,7 +197,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     return std::equal(here.begin(), here.end(), there.begin(), [](double a, double b) { return sameBits(a, b); });
   }
 
-  /// For how many points or edges memory is made that has to hold @a count.
+  /// The number of points or edges for which memory is allocated if it has to hold @a count.
   static std::size_t roomFor(std::size_t count) {
     std::size_t capacity = 4096;
     while (capacity < count) capacity *= 2;
@@ -242,7 +242,8 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     });
   }
 
-  /// Calls @a piece for as many things as a device gets at a time. @param loan  what it works with
+  /// Calls @a piece for one part after another, each as large as a device gets at a time. @param loan  the memory for
+  /// it
   template <class Loan, class Function>
   static void inPieces(std::size_t size, Loan& loan, const Function& piece) {
     try {
@@ -310,7 +311,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     search.foundHere.resize(count);
     search.lane.read(search.found.get(), search.foundHere.data(), count * sizeof(double));
     std::copy(search.foundHere.begin(), search.foundHere.end(), found.begin());
-    // Those that the device leaves out.
+    // The edges that the device leaves to the processor.
     std::vector<CrossedEdge> some;
     for (std::size_t i = 0; i < count; ++i)
       if (found[i] < 0) some.push_back(edges[i]);
@@ -322,7 +323,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
       if (one < 0) one = *place++;
   }
 
-  /// Evaluates those points of a piece that the device leaves out.
+  /// Evaluates the points of a piece that the device leaves to the processor.
   void evaluateHere(std::span<const std::size_t> numbers, std::span<const Point> points, std::span<double> field,
                     std::span<int> iterations) const {
     if (numbers.empty()) return;

@@ -20,7 +20,7 @@
 namespace julia::device {
 namespace {
 
-/// What OpenCL's error codes mean that a user can do something about.
+/// Explains those of OpenCL's error codes about which a user can do something.
 std::string meaningOf(cl_int error) {
   switch (error) {
     case CL_MEM_OBJECT_ALLOCATION_FAILURE:
@@ -71,14 +71,14 @@ std::string arithmeticRefusal(cl_device_fp_config has, bool floats) {
   return {};
 }
 
-/// Numbers whose products, quotients and sums betray fused operations, flushed denormal numbers and rough roots.
+/// Numbers whose products, quotients and sums reveal fused operations, flushed denormal numbers and inexact roots.
 template <class Real>
 std::array<std::vector<Real>, 3> treacherousNumbers() {
   constexpr std::size_t kCount = 4096;
   constexpr Real eps = std::numeric_limits<Real>::epsilon(), least = std::numeric_limits<Real>::min();
   std::array<std::vector<Real>, 3> numbers;
   Random random(1);
-  // Of all exponents, from those of denormal numbers on: a mantissa from 1 to 2 times a power of two.
+  // Numbers of all exponents, including those of denormal numbers: a mantissa from 1 to 2 times a power of two.
   const auto next = [&](int exponents) {
     const auto mantissa = static_cast<Real>(1 + random.unit());
     const auto exponent = static_cast<int>(random.between(-exponents, exponents));
@@ -111,7 +111,7 @@ std::string givenTimeLimit() {
   return text ? text : "";
 }
 
-/// 0 if it is no number.
+/// 0 if the text is not a number.
 double secondsOf(const std::string& text) {
   char* end = nullptr;
   const double seconds = std::strtod(text.c_str(), &end);
@@ -179,7 +179,7 @@ std::string OpenClDevice::refusalOf() {
   std::string why = arithmeticRefusal(valueOf<cl_device_fp_config>(mCl, mDevice, CL_DEVICE_SINGLE_FP_CONFIG), true);
   if (!why.empty()) return why;
   cl_device_fp_config doubles = 0;
-  // A device without doubles may not know the question.
+  // A device without doubles may not support this query.
   if (mCl.GetDeviceInfo(mDevice, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof(doubles), &doubles, nullptr) != CL_SUCCESS)
     doubles = 0;
   mInfo.doubles = arithmeticRefusal(doubles, false).empty();
@@ -231,7 +231,7 @@ std::shared_ptr<const OpenClDevice::Program> OpenClDevice::program(bool floats, 
   return program;
 }
 
-// --- Programs, and what a thread runs them with ---
+// --- Programs, and the queues through which threads run them ---
 
 OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const std::string& switches,
                                const std::string& texture)
@@ -254,7 +254,7 @@ OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const st
   } catch (const DeviceFailure&) {
   }
   cl.ReleaseProgram(mProgram);
-  // The first error says most.
+  // The first error is the most informative one.
   const std::size_t first = std::min(log.find("error:"), log.size());
   throw DeviceFailure("its compiler refused the program: " + log.substr(first, log.find('\n', first) - first));
 }
@@ -314,7 +314,7 @@ void OpenClDevice::Lane::await(cl_event event) const {
   const auto release = [&](cl_event one) { cl.ReleaseEvent(one); };
   std::unique_ptr<std::remove_pointer_t<cl_event>, decltype(release)> held(event, release);
   require(cl.Flush(mQueue), "its queue cannot be started");
-  // A driver's own wait has no end. Most answers take less than a millisecond.
+  // A driver's own wait has no timeout. Most answers take less than a millisecond.
   constexpr int kRoundsAwake = 200;
   constexpr std::chrono::microseconds kNap(100);
   const auto begin = Clock::now();
@@ -336,12 +336,12 @@ void OpenClDevice::Lane::await(cl_event event) const {
     else
       std::this_thread::sleep_for(kNap);
   }
-  // Only this makes sure that what was read is seen.
+  // Only this call guarantees that the data that was read is visible.
   require(cl.WaitForEvents(1, &event), "its work failed");
 }
 
 void OpenClDevice::Lane::run(std::size_t count) const {
-  // All groups are whole: devices may want that, and the kernels leave out the numbers beyond the last point.
+  // All groups are full: devices may require that, and the kernels skip the numbers beyond the last point.
   constexpr std::size_t kGroup = 64;
   const std::size_t size = (count + kGroup - 1) / kGroup * kGroup;
   require(mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, nullptr, &size, &kGroup, 0, nullptr, nullptr),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file opencl_device.h
-/// A device of OpenCL: its programs, and what threads run them with.
+/// A device of OpenCL, its programs, and the queues through which threads run them.
 #pragma once
 
 #include "julia/device/device.h"
@@ -20,7 +20,7 @@
 
 namespace julia::device {
 
-/// What a device or its driver could not do, in a few words.
+/// A device or its driver has failed. The message says in a few words what it could not do.
 class DeviceFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -33,7 +33,8 @@ class DeviceHangs : public DeviceFailure {
   using DeviceFailure::DeviceFailure;
 };
 
-/// Takes what a device that gave no answer may still use. It is never released, and stays reachable.
+/// Keeps an object that a device may still use although it has stopped answering. The object is never released, but
+/// stays reachable.
 void keepUntilExit(void* object);
 
 class OpenClDevice final : public Device, public std::enable_shared_from_this<OpenClDevice> {
@@ -44,7 +45,7 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     cl_device_id device;
   };
 
-  /// All devices. @param refusal  says why there is none, if there is none
+  /// All devices. @param refusal  receives the reason if there is none
   static std::vector<Place> places(std::string& refusal);
 
   /// Opens a device and tries its arithmetic; if it cannot be used, info().refusal says why.
@@ -72,10 +73,10 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   void notify(const std::string& sentence) const override {
     if (mNotice) mNotice(sentence);
   }
-  /// The program of a field, compiled once for all fields with the same switches and textures of the same kind.
-  /// @param switches, texture  as ProgramData has them  @throw DeviceFailure
+  /// The program of a field. It is compiled once for all fields with the same switches and textures of the same kind.
+  /// @param switches, texture  as in ProgramData  @throw DeviceFailure
   std::shared_ptr<const Program> program(bool floats, const std::string& switches, const std::string& texture) const;
-  std::size_t mostBytes() const { return mMostBytes; }  ///< in one piece of memory
+  std::size_t mostBytes() const { return mMostBytes; }  ///< the most that one piece of memory may have
 
   struct ReleaseMemory {
     const OpenClDevice* device;
@@ -93,16 +94,16 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
 
     Memory made(std::size_t bytes) const;
     Memory uploaded(const void* data, std::size_t bytes) const;
-    /// Begins to write; read() waits for it. @a data must stay until then.
+    /// Begins to write; read() waits for it. @a data must stay valid until then.
     void write(cl_mem memory, const void* data, std::size_t bytes) const;
-    /// Waits until all is done that was begun. @throw DeviceHangs
+    /// Reads, after everything that was begun earlier is done. @throw DeviceHangs
     void read(cl_mem memory, void* data, std::size_t bytes) const;
     template <class T>
     void setArgument(cl_uint number, const T& value) const {
       if (mDevice.mCl.SetKernelArg(mKernel, number, sizeof(T), &value) != CL_SUCCESS)
         throw DeviceFailure("its kernel refused argument " + std::to_string(number));
     }
-    /// Runs the kernel for the numbers 0 to @a count - 1 and some more.
+    /// Runs the kernel for the numbers 0 to @a count - 1, and for some more that fill up the last group.
     void run(std::size_t count) const;
 
    private:
@@ -134,7 +135,8 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   std::size_t mMostBytes = 0;
   double mSeconds = 0;  ///< how long an answer may take
   DeviceNotice mNotice;
-  mutable std::atomic<bool> mHangs = false;  ///< then nothing is released: that would wait for the driver
+  mutable std::atomic<bool> mHangs =
+      false;  ///< whether it stopped answering; nothing is released then, because that would wait for the driver
   mutable std::mutex mMutex;
   mutable std::map<std::string, std::shared_ptr<const Program>> mPrograms;  ///< by their options; mMutex guards them
 };

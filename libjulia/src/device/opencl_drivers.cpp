@@ -24,7 +24,7 @@ constexpr const char* kLoader = "libOpenCL.so.1";
 using AddressOf = void*(CL_API_CALL*)(const char*);
 /// Vendors' drivers, as their packages and container toolkits name them.
 constexpr const char* kVendorDrivers[] = {"libnvidia-opencl.so.1", "libamdocl64.so"};
-/// Where they lie in container images whose linker is not told of these folders.
+/// Their folders in container images whose linker does not search them.
 constexpr const char* kVendorFolders[] = {"/usr/local/nvidia/lib64/", "/opt/rocm/lib/", "/opt/rocm/opencl/lib/"};
 
 std::string variable(const char* name) {
@@ -76,7 +76,7 @@ OpenClFunctions functionsFrom(const Find& find) {
   return functions;
 }
 
-/// @param list  clGetPlatformIDs or what a driver has in its place
+/// @param list  clGetPlatformIDs, or the function that a driver has in its place
 template <class List>
 std::vector<cl_platform_id> platformsOf(const List& list) {
   cl_uint count = 0;
@@ -120,7 +120,7 @@ struct Search : Drivers {
     return true;
   }
 
-  /// The files that tell the loader of drivers, to be listed; the loader has read them.
+  /// Lists the files that tell the loader about drivers; the loader itself has read them.
   void listIcdFiles() {
     std::string folder = variable("OCL_ICD_VENDORS");
     if (folder.empty()) folder = variable("OPENCL_VENDOR_PATH");
@@ -142,7 +142,8 @@ struct Search : Drivers {
     }
   }
 
-  /// A driver that the loader does not know. @param name  a file, or a name for the linker @return why not, if not
+  /// Opens a driver that the loader does not know. @param name  a file, or a name for the linker @return the reason if
+  /// it cannot be used
   std::string openDriver(const std::string& name) {
     void* const library = dlopen(name.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (!library) return linkerReason();
@@ -163,7 +164,7 @@ struct Search : Drivers {
 
   void lookForVendorDrivers() {
     for (const std::string name : kVendorDrivers) {
-      // The loader has opened it: its platforms are there.
+      // The loader has opened it, so its platforms are listed already.
       if (void* const library = dlopen(name.c_str(), RTLD_LAZY | RTLD_NOLOAD)) {
         places.push_back({fileOf(library, name), "the loader has opened it"});
         dlclose(library);

@@ -26,7 +26,7 @@ struct Platform {
 /// survive being unloaded.
 struct Drivers {
   std::vector<Platform> platforms;  ///< the loader's first
-  std::vector<DriverPlace> places;  ///< where it was looked for them, in this order
+  std::vector<DriverPlace> places;  ///< where drivers were looked for, in this order
   std::string refusal;              ///< why there is no platform, if there is none
 };
 const Drivers& openClDrivers();

@@ -129,7 +129,7 @@ int followOrbit(Data data, Real x, Real y, Real z, Real* end) {
 #if VERSOR == VERSOR_TEXTURE
     valid = versorOfTexture(data, q, next);
 #elif VERSOR == VERSOR_VALUE
-    // The map's value, by its length.
+    // The map's value divided by its length.
     const Real by = 1 / squareRoot(next[0] * next[0] + imaginarySquare(next[1], next[2], next[3]));
     for (int k = 0; k < 4; ++k) next[k] = next[k] * by;
 #endif
@@ -196,7 +196,7 @@ __kernel void searchEdges(__global const double* edges, __global const int* axes
       found[i] = -1;
       return;
     }
-    // As it would have been stored.
+    // Rounded as a stored value would be.
     float stored = (float)field;
     if (stored == 0 && field < 0) stored = -LEAST_STORED;
     if (atEnd)
@@ -223,8 +223,8 @@ __kernel void searchEdges(__global const double* edges, __global const int* axes
 }
 #endif
 
-/// What betrays arithmetic that is not IEEE 754's: fused operations, flushed denormal numbers, rough quotients and
-/// roots.
+/// Computes numbers that reveal arithmetic other than that of IEEE 754: fused operations, flushed denormal numbers,
+/// inexact quotients and roots.
 __kernel void tryArithmetic(__global const Real* x, __global const Real* y, __global const Real* z, __global Real* out,
                             uint count) {
   const uint i = get_global_id(0);

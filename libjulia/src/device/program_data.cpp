@@ -207,8 +207,8 @@ class Builder {
 
   static std::string nameOf(std::size_t node) { return "versor" + std::to_string(node); }
 
-  /// Begins a node whose numbers and integers follow. @param word  of versors.cl, which defines its function
-  /// @param lattices  how many of the last lattices it reads
+  /// Begins a node whose numbers and integers follow. @param word  the macro of versors.cl that defines its function
+  /// @param lattices  the number of lattices that it reads, which are the last ones added
   void addNode(const char* word, std::size_t count, std::initializer_list<std::size_t> children = {},
                std::size_t lattices = 0) {
     const std::size_t number = mNodes.size();
@@ -233,7 +233,7 @@ class Builder {
     mNumbers[kConstant + 3] = rounded.d;
   }
 
-  /// @pre a BrickField was made of them, which has checked them
+  /// @pre a BrickField was made from them, which has checked them
   void addLattice(const PlacedBricks& placed) {
     const Bricks& bricks = *placed.bricks;
     const auto [places, values] = startOf(placed.bricks);
@@ -251,7 +251,7 @@ class Builder {
       mNumbers.push_back(static_cast<Real>(x));
   }
 
-  /// Where places and values of bricks begin among those of all bricks.
+  /// Where the places and the values of bricks begin among those of all bricks.
   struct Start {
     std::uint64_t places = 0, values = 0;
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file program_data.h
-/// What a device is given of a field: the program's switches, and the numbers from which it computes. They are those of
-/// the processor's evaluators, rounded to the same type by the same code.
+/// The data of a field that a device receives: the switches of its program, and the numbers from which it computes.
+/// They are those of the processor's evaluators, rounded to the same type by the same code.
 #pragma once
 
 #include "julia/bricks.h"
@@ -15,13 +15,13 @@
 
 namespace julia::device {
 
-/// Values of the program's word MAP. From Quadratic on, the steps are Cartesian.
+/// Values of the program's macro MAP. From Quadratic on, the steps are Cartesian.
 enum class MapKind { ShapeModulus, Rational, Quadratic, Cross, Triplex };
-/// Values of the program's word VERSOR: how the iterate that follows is formed.
+/// Values of the program's macro VERSOR: how the next iterate is formed.
 enum class VersorKind {
   None,     ///< it is the map's value
-  Value,    ///< of the map's value, by its length
-  Texture,  ///< of the field's texture, whose functions ProgramData::texture has
+  Value,    ///< its versor is the map's value divided by its length
+  Texture,  ///< its versor is that of the field's texture, whose functions are in ProgramData::texture
 };
 
 /// Places in ProgramData::numbers. The lists of lattices and nodes follow.
@@ -47,7 +47,7 @@ enum Integer {
 };
 /// The record of a lattice of bricks. Number 0 is the exponent's.
 enum LatticeRecord {
-  kLatticeNumbers,  ///< the place of its numbers: matrix, offset, low, high, knee, and what its slope has more below
+  kLatticeNumbers,  ///< the place of its numbers: matrix, offset, low, high, and at and more of its knee
   kLatticeBricks,   ///< how many there are along y and z
   kLatticeQuadratic = kLatticeBricks + 2,
   kLatticePlaces,  ///< where its bricks' places begin
@@ -96,8 +96,8 @@ struct ProgramData {
   std::string switches(bool searches) const;
 };
 
-/// The data of a field, or in @a reason why it has none: its map, its texture or its options are for the processor
-/// alone.
+/// Returns the data of a field. If only the processor can evaluate its map, its texture or its options, returns nullptr
+/// and sets @a reason.
 std::unique_ptr<const ProgramData> programDataOf(const FieldDescription& field, std::string& reason);
 
 }  // namespace julia::device

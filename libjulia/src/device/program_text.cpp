@@ -26,7 +26,7 @@ std::string_view textNamed(std::string_view name) {
   return {};
 }
 
-/// A number as OpenCL C has it, exactly.
+/// The exact text of a number in OpenCL C.
 template <class Real>
 std::string literal(Real value) {
   char text[64];
@@ -130,7 +130,7 @@ std::string words() {
   return text;
 }
 
-/// The angle of radians, which uses doubles in floats too: only for the maps that need it.
+/// The angle of radians. It uses doubles even if Real is float, so only the programs of maps that need it contain it.
 std::string radians(bool floats) {
   const std::string type = floats ? "float" : "double";
   return "#if MAP == MAP_CROSS\ninline " + type + " quadrantsOfRadians(" + type + " x) {\n" +

@@ -224,39 +224,41 @@ void logLeastPart(const RootFactor<Real>* roots, std::size_t rootCount, Real rad
     JULIA_FOR_POINTS sum[i] = rounding;
     for (std::size_t r = 0; r < rootCount; ++r) {
       const RootFactor<Real> root = roots[r];
-      const auto add = [&](const auto& turning) __attribute__((always_inline)){
-          JULIA_FOR_POINTS{const Real da = q[0][i] - root.root[0], db = q[1][i] - root.root[1],
-                           dc = q[2][i] - root.root[2], dd = q[3][i] - root.root[3];
-      const Real imaginary = db * db + dc * dc + dd * dd, square = da * da + imaginary;
-      const Real distance = squareRoot(square), sine = radius / distance;
-      // The bound of the arc; for a sine above 1 the ball contains the root.
-      const Real arc = sine * (1 + (sine <= Real(0.5) ? Real(0.1888) : Real(0.5708)) * (sine * sine));
-      sum[i] += sine < Real(0.99) ? turning(da, imaginary, distance, sine) * arc : 4;
+      const auto add = [&](const auto& turning) __attribute__((always_inline)) {
+        constexpr Real kMostSine = Real(0.99);
+        JULIA_FOR_POINTS {
+          const Real da = q[0][i] - root.root[0], db = q[1][i] - root.root[1], dc = q[2][i] - root.root[2],
+                     dd = q[3][i] - root.root[3];
+          const Real imaginary = db * db + dc * dc + dd * dd, square = da * da + imaginary;
+          const Real distance = squareRoot(square), sine = radius / distance;
+          // The bound of the arc; for a sine above 1 the ball contains the root.
+          const Real arc = sine * (1 + (sine <= Real(0.5) ? Real(0.1888) : Real(0.5708)) * (sine * sine));
+          sum[i] += sine < kMostSine ? turning(da, imaginary, distance, sine) * arc : 4;
+        }
+      };
+      if (root.method == PowerMethod::Angle)
+        add([&](Real a, Real imaginary, Real distance, Real sine)
+                __attribute__((always_inline)) { return turningOf(root, a, imaginary, distance, sine); });
+      else
+        add([p = magnitude(root.power)](Real, Real, Real, Real) __attribute__((always_inline)) { return p; });
     }
-  };
-  if (root.method == PowerMethod::Angle)
-    add([&](Real a, Real imaginary, Real distance, Real sine)
-            __attribute__((always_inline)) { return turningOf(root, a, imaginary, distance, sine); });
-  else
-    add([p = magnitude(root.power)](Real, Real, Real, Real) __attribute__((always_inline)) { return p; });
+    // Uses the angle between the versors and the axis of the component.
+    JULIA_FOR_POINTS {
+      const Real quadrants = sum[i] * (slack * Real(0.63661977236758134));
+      const bool known = quadrants < 1;
+      Real sine, cosine;
+      sineCosine(known ? quadrants : Real(0), &sine, &cosine);
+      const Real ua = u[0][i] * u[0][i], ub = u[1][i] * u[1][i], uc = u[2][i] * u[2][i], ud = u[3][i] * u[3][i];
+      const Real squares =
+          (dropped == 0 ? 0 : ua) + (dropped == 1 ? 0 : ub) + (dropped == 2 ? 0 : uc) + (dropped == 3 ? 0 : ud);
+      const Real gone = squareRoot(dropped == 0 ? ua : dropped == 1 ? ub : dropped == 2 ? uc : ud);
+      const Real part = squareRoot(squares) * cosine - gone * sine - kRounding;
+      const Real logPart = logarithm(part > kLeast ? part : kLeast) - kRounding;
+      result[i] = known && part > kLeast ? logPart : kUnknown;
+    }
+    store(result, l, range);
+  }
 }
-// Uses the angle between the versors and the axis of the component.
-JULIA_FOR_POINTS {
-  const Real quadrants = sum[i] * (slack * Real(0.63661977236758134));
-  const bool known = quadrants < 1;
-  Real sine, cosine;
-  sineCosine(known ? quadrants : Real(0), &sine, &cosine);
-  const Real ua = u[0][i] * u[0][i], ub = u[1][i] * u[1][i], uc = u[2][i] * u[2][i], ud = u[3][i] * u[3][i];
-  const Real squares =
-      (dropped == 0 ? 0 : ua) + (dropped == 1 ? 0 : ub) + (dropped == 2 ? 0 : uc) + (dropped == 3 ? 0 : ud);
-  const Real gone = squareRoot(dropped == 0 ? ua : dropped == 1 ? ub : dropped == 2 ? uc : ud);
-  const Real part = squareRoot(squares) * cosine - gone * sine - kRounding;
-  const Real logPart = logarithm(part > kLeast ? part : kLeast) - kRounding;
-  result[i] = known && part > kLeast ? logPart : kUnknown;
-}
-store(result, l, range);
-}  // namespace
-}  // namespace julia::kernels
 
 template <class Real>
 std::size_t compact(Real escape, bool traps, Real trap, Real* l, std::uint32_t* index, Real* const* rows,

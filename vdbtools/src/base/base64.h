@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file base64.h
-/// Bytes as text, for files of text that hold them.
+/// Encodes bytes as text, for text files that contain them.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace vdbtools {
 
-/// In the alphabet of RFC 4648, with padding.
+/// The standard alphabet of RFC 4648, with padding.
 std::string base64(std::string_view bytes);
 
 }  // namespace vdbtools

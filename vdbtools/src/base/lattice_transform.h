@@ -13,7 +13,7 @@ namespace vdbtools {
 /// Whether OpenVDB makes a transform with this scale.
 bool isOrdinaryScale(const openvdb::Vec3d& scale);
 
-/// Whether voxels are cubes, rotated or not, as exactly as a matrix of floats says. OpenVDB's own question depends, for
+/// Whether voxels are cubes, rotated or not, to the precision of a matrix of floats. OpenVDB's own test depends, for
 /// rotated voxels, on the last bit of a cube root.
 bool hasCubicVoxels(const openvdb::GridBase& grid);
 

@@ -13,8 +13,8 @@
 namespace vdbtools {
 namespace {
 
-/// What the scheduler and its allocator map when they start, measured with oneTBB 2021.8 and 2022.1: 6.6 MiB, of which
-/// a part grows with the number of processors.
+/// The memory that the scheduler and its allocator map when they start, measured with oneTBB 2021.8 and 2022.1: 6.6
+/// MiB, a part of which grows with the number of processors.
 constexpr std::size_t kStart = std::size_t{8} << 20, kProcessor = std::size_t{16} << 10;
 
 /// @throw std::bad_alloc  so many bytes cannot be mapped
@@ -27,10 +27,10 @@ void requireMapping(std::size_t bytes) {
 }  // namespace
 
 void startScheduler() {
-  // oneTBB has two faults that are left to its users. While it creates its scheduler, 2022.1 holds the locks of all
-  // global controls, and where an allocation fails there, it asks one of these controls whether to throw: it waits for
-  // itself. And where the room for a thread's first tasks cannot be allocated, the loop waits for a task that was
-  // counted, but never queued.
+  // oneTBB has two faults that its users have to avoid. While version 2022.1 creates its scheduler, it holds the locks
+  // of all global controls. If an allocation fails there, it asks one of these controls whether to throw, and so waits
+  // for itself. The second fault: if the room for a thread's first tasks cannot be allocated, the loop waits for a task
+  // that was counted, but never queued.
   requireMapping(kStart + kProcessor * std::thread::hardware_concurrency());
   // An arena of one thread starts no other. The memory of its tasks stays with oneTBB's allocator, for later loops.
   tbb::task_arena(1).execute([] { tbb::parallel_for(0, 64, [](int) {}); });

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file trimmed.h
-/// Lines of texts that people write.
+/// Trims text that people write.
 #pragma once
 
 #include <string_view>
 
 namespace vdbtools {
 
-/// The text without the blanks about it.
+/// The text without the blanks at its ends.
 inline std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kSpace = " \t\r";
   const std::size_t first = text.find_first_not_of(kSpace);

@@ -742,7 +742,7 @@ class Union {
       const std::uint32_t s = mSurfaces.find(p);
       result.layer[p] = result.layer[s];
       if (mBuriesItself[p] || (mBuries[p] && mMeets[p]))
-        ++result.counts.united;
+        ++result.counts.intersecting;
       else if (mBuries[p] && mParts.closure[p] == Closure::Open)
         ++result.counts.inner;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file volume_levels.h
-/// Level sets of grids that are none yet, or whose sign is turned round.
+/// Makes level sets of grids of other kinds, and of grids with the opposite sign.
 #pragma once
 
 #include "distance/leaves.h"
@@ -26,12 +26,12 @@ bool isDense(const openvdb::FloatGrid& grid);
 /// @throw DataError  no value is negative
 bool isNegativeOutside(const openvdb::FloatGrid& grid);
 
-/// A copy with the sign of every value turned round. Its background is positive.
+/// A copy with the signs of all values reversed. Its background is positive.
 openvdb::FloatGrid::Ptr withOtherSign(const openvdb::FloatGrid& grid);
 
 /// The exact distances, in a narrow band, to the surface where a sampled field has the given value: a level set in
 /// world units, with the sign that the field has at each node. Its lattice is that of the field. If the field's voxels
-/// are no cubes, it has cubes of their smallest side, parallel to the axes of the world, and node 0 in the same place.
+/// are not cubes, it has cubes of their smallest side, parallel to the axes of the world, and node 0 in the same place.
 /// @param insideAbove  whether the inside is where the field is larger than the value, and not where it is smaller
 /// @throw DataError  a value that is not finite, no such surface, or an inside without an end
 /// @throw std::invalid_argument  more than 2^31 nodes
@@ -40,7 +40,7 @@ openvdb::FloatGrid::Ptr levelSetOfVolume(const openvdb::FloatGrid& field, double
                                          Monitor& monitor);
 
 /// Makes distances negative inside, and gives every node beyond the band its side.
-/// @param makeTest  makes, for one thread, the function that says whether a node is inside
+/// @param makeTest  makes, for one thread, the function that tells whether a node is inside
 /// @throw Interrupted
 template <class MakeTest>
 void giveSigns(openvdb::FloatGrid& distances, Monitor& monitor, const MakeTest& makeTest) {

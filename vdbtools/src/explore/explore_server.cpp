@@ -33,7 +33,7 @@ using std::chrono::milliseconds;
 constexpr int kMostConnections = 64;
 constexpr int kMostRequests = 1000;  // on one connection
 
-// What a browser may do with the page: nothing but what comes from the same address.
+// Restricts the page in the browser to content from the same address.
 constexpr std::string_view kSecurityFields =
     "Content-Security-Policy: default-src 'self'; img-src 'self' blob: data:; worker-src 'self' blob:; "
     "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n"
@@ -58,7 +58,7 @@ std::string randomKey() {
   return key;
 }
 
-/// In a time that does not depend on where they differ.
+/// Compares in a time that does not depend on where the texts differ.
 bool sameKey(std::string_view a, std::string_view b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
@@ -68,10 +68,10 @@ std::string machineName() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
 }
 
-/// As it stands in an address.
+/// The form of an IP address in a URL.
 std::string inAddress(const std::string& address) { return isIp6(address) ? '[' + address + ']' : address; }
 
-/// Whoever waits for an answer: gone, once the connection is.
+/// Cancels the work for an answer once the client has closed the connection.
 class Waiting final : public Monitor {
  public:
   Waiting(const HttpConnection& connection, const std::atomic<bool>& stopped)
@@ -95,10 +95,10 @@ class Waiting final : public Monitor {
   mutable std::atomic<bool> mGone{false};
 };
 
-/// A thread for each connection, up to a number of them.
+/// Runs one thread for each connection, up to a maximum number.
 class ConnectionThreads {
  public:
-  /// @return false: there are too many already
+  /// @return false if there are too many already
   bool start(const std::function<void()>& serve) {
     const std::lock_guard lock(mMutex);
     if (mActive == kMostConnections) return false;
@@ -116,7 +116,7 @@ class ConnectionThreads {
     return true;
   }
 
-  /// Until all have ended.
+  /// Waits until all threads have ended.
   void wait() {
     std::unique_lock lock(mMutex);
     mEnded.wait(lock, [this] { return mActive == 0; });
@@ -158,7 +158,8 @@ class ExploreServer::State {
     while (!monitor.cancelled()) {
       const int socket = mListener.accept(kPeriod);
       if (socket >= 0 && !mThreads.start([this, socket] { serveConnection(socket); }))
-        HttpConnection(socket, mStopped).refuse(503, /*atOnce=*/true);  // this thread accepts the others
+        HttpConnection(socket, mStopped)
+            .refuse(503, /*atOnce=*/true);  // at once, because this thread accepts the other connections
     }
     mStopped = true;
     mSession.stop();
@@ -176,11 +177,12 @@ class ExploreServer::State {
         handle(*head, connection);
       }
     } catch (const std::exception&) {
-      connection.refuse(500);  // out of memory; the others go on
+      connection.refuse(500);  // out of memory; other connections continue
     }
   }
 
-  /// What the header Host may be. An address that an attacker's own name leads to (DNS rebinding) is not among them.
+  /// Finds the allowed values of the header Host. A name that an attacker has pointed at this machine (DNS rebinding)
+  /// is not among them.
   void findHosts() {
     const std::string port = ':' + std::to_string(mPort);
     mHosts = {"localhost" + port, inAddress(mAddress) + port};
@@ -192,7 +194,7 @@ class ExploreServer::State {
   bool isKnownHost(const std::string& host) const {
     if (std::find(mHosts.begin(), mHosts.end(), host) != mHosts.end()) return true;
     if (mLoopback) return false;
-    // Names can be pointed here by anybody, but numbers only by the user.
+    // Anybody can point a name at this machine, but an IP address in the header was typed by the user.
     const std::string port = ':' + std::to_string(mPort);
     if (!host.ends_with(port)) return false;
     const std::string address = host.substr(0, host.size() - port.size());
@@ -200,8 +202,8 @@ class ExploreServer::State {
            (address.starts_with('[') && address.ends_with(']') && isIp6(address.substr(1, address.size() - 2)));
   }
 
-  /// The status of a refusal before anything of the body is read; 0: none.
-  /// @param path    receives what is behind the key
+  /// The status with which a request is refused before its body is read; 0: it is not refused.
+  /// @param path    receives the part of the path after the key
   /// @param length  receives the length of the body
   int refusalOf(const HttpHead& head, std::string& path, std::size_t& length) const {
     const std::string host = lowerCase(head.value("host"));
@@ -224,7 +226,7 @@ class ExploreServer::State {
     length = *given;
     if (!post) return length == 0 ? 0 : 400;
     if (length > ExploreSession::mostBytes(path)) return 413;
-    // A form of another site can send neither of these without asking.
+    // A form on another site can send neither of these types without the browser asking this server first.
     const char* const type = path == "recipe" ? "application/octet-stream" : "application/json";
     return lowerCase(head.value("content-type")).starts_with(type) ? 0 : 415;
   }
@@ -263,9 +265,9 @@ class ExploreServer::State {
     connection.send(answer);
   }
 
-  /// Nothing if the body does not come.
+  /// Returns nothing if the body does not arrive.
   std::optional<ExploreAnswer> answerTo(ExploreRequest& asked, std::size_t length, HttpConnection& connection) {
-    // Large bodies one after another: together they would not fit into the memory.
+    // Large bodies are handled one after another, because together they would not fit into memory.
     std::unique_lock lock(mLargeBody, std::defer_lock);
     constexpr std::size_t kLarge = 1 << 20;
     if (length > kLarge) lock.lock();

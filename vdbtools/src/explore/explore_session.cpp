@@ -64,7 +64,7 @@ bool flagOf(const json& object, const char* name) {
   return entry->get<bool>();
 }
 
-/// The most nodes of a scene's volume along an axis: a small picture needs fewer than a large one.
+/// The maximum number of nodes of a scene's volume along an axis: a small picture needs fewer than a large one.
 SceneDataOptions volumeOf(const json& object) {
   SceneDataOptions options;
   const auto entry = object.find("side");
@@ -105,7 +105,8 @@ int frameOf(const json& object) {
   return frame->get<int>();
 }
 
-/// What all recipes of keys say alike, whether it was given or follows from the rest of them.
+/// The entries that are equal in the recipes of all keys, whether they were given or follow from the rest of the
+/// recipe.
 Recipe sharedBy(const std::map<int, const Recipe*>& given, const std::map<int, const Recipe*>& completed) {
   Recipe shared;
   for (const auto& [frame, recipe] : given)
@@ -118,9 +119,9 @@ Recipe sharedBy(const std::map<int, const Recipe*>& given, const std::map<int, c
   return shared;
 }
 
-/// Whether an option may be between the values of two keys: the seed, which is a whole number, may not.
+/// Whether an option may have values between those of two keys. The seed, a whole number, may not.
 bool isSmooth(const farm::KeyedOption& option, const Recipe& recipe) {
-  constexpr int kSpan = 1'000'003;  // a prime: no frame between lies at a round share
+  constexpr int kSpan = 1'000'003;  // a prime, so no frame in between lies at a round fraction
   for (auto key = option.keys.begin(); std::next(key) != option.keys.end(); ++key) {
     Recipe between = recipe;
     between[option.name] = farm::valueAt({option.name, {{0, key->second}, {kSpan, std::next(key)->second}}}, kSpan / 3);
@@ -133,7 +134,7 @@ bool isSmooth(const farm::KeyedOption& option, const Recipe& recipe) {
   return true;
 }
 
-/// An option as its keys have it: in steps where it cannot change gradually.
+/// An option with its keys. It changes in steps if it cannot change gradually.
 farm::KeyedOption keyedOption(const std::string& name, const std::map<int, const Recipe*>& recipes,
                               const std::string& ease, const OptionTable& table) {
   std::vector<std::string> keys;
@@ -160,7 +161,7 @@ void appendNumber(std::string& bytes, std::uint32_t number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-/// Of a mesh in shares of the longest side of @a box, about its middle.
+/// The bytes of a mesh, relative to the middle of @a box and in units of its longest side.
 std::string meshBytes(const Mesh& mesh, const openvdb::BBoxd& box) {
   const openvdb::Vec3d middle = box.getCenter();
   const double unit = longestSide(box);
@@ -177,11 +178,11 @@ std::string meshBytes(const Mesh& mesh, const openvdb::BBoxd& box) {
 }
 
 ExploreAnswer jsonAnswer(const json& value, int status = 200) {
-  // Names of files may hold bytes that are no UTF-8.
+  // Names of files may contain bytes that are not UTF-8.
   return {status, "application/json", value.dump(-1, ' ', false, json::error_handler_t::replace)};
 }
 
-/// The folder to make files in. Refuses, before any work, one that is not there and cannot be made.
+/// The folder for files. Refuses, before any work, a folder that does not exist and cannot be created.
 std::filesystem::path folderOf(const std::filesystem::path& folder) {
   std::error_code error;
   if (folder.empty() || std::filesystem::is_directory(folder, error)) return folder;
@@ -305,7 +306,8 @@ std::string ExploreSession::targetMesh(Monitor& monitor) {
   const std::lock_guard lock(mTargetMutex);
   if (mMeshOf == input) return mTargetMesh;
   const std::shared_ptr<const Mesh> mesh = input->mesh();
-  // What is too fine for a browser is shown as its distances have it, which is the shape that the fractal has too.
+  // A mesh too fine for a browser is replaced by the surface of its distances, which is the shape that the fractal
+  // follows.
   if (mesh && mesh->triangles.size() <= kMostTargetTriangles)
     mTargetMesh = meshBytes(*mesh, input->box());
   else
@@ -325,7 +327,7 @@ std::string ExploreSession::picture(const json& body, Monitor& monitor) {
   return sceneOf(lookOf(body), SceneStore::Turn::Waits, monitor)->picture(picture, monitor);
 }
 
-/// The numbers of a look, of which the page makes its live picture.
+/// The numbers of a look, from which the page makes its live picture.
 json ExploreSession::look(const json& body) { return lookData(lookTexts(body)); }
 
 /// How a recipe colours its scene.
@@ -394,7 +396,7 @@ json ExploreSession::recipe(const std::string& name, const std::string& bytes) {
     note = "it was made of '" + inOneLine(input->second) + "'; this is the same recipe over the target at hand";
     recorded = overTarget(std::move(recorded), mGiven);
   }
-  // A hash would hold a file to what it was; without it the recipe is a look.
+  // With a hash, a file could not be used after it has changed; without it, the recipe is only a look.
   for (const std::string& entry : mTable.hashNames()) recorded.erase(entry);
   recorded = shortestRecipe(recorded, mTable);
   mAccess.require(parseFractalOptions(recorded));
@@ -405,7 +407,7 @@ json ExploreSession::command(const json& body) {
   const Look look = lookToMake(body);
   const std::string name = textOf(body, "name", "look");
   requireFileName(name);
-  // The command writes one mesh; further ones take commands of their own.
+  // A command writes one mesh; each further mesh takes a command of its own.
   std::vector<std::vector<std::pair<std::string, std::string>>> outputs(1);
   bool hasMesh = false;
   for (const std::string& format : formatsOf(body)) {
@@ -422,7 +424,7 @@ json ExploreSession::command(const json& body) {
   for (const auto& files : outputs)
     commands += (commands.empty() ? "" : "\n") + fractalCommand(look.given, mTable, files);
   if (!body.contains("view")) return {{"command", commands}};
-  pictureOf(body);  // for its checks
+  pictureOf(body);  // checks the options
   return {{"command", commands},
           {"picture", pictureCommand(look.given, mTable, pictureTexts(body), (mFolder / (name + ".png")).string())}};
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file explore_session.h
-/// What the server does, without HTTP: requests in, answers out. It holds nothing that the recipes of the requests do
-/// not say, but for what is kept to be quick, and the list of jobs.
+/// Answers the requests of the page, without HTTP. It keeps no state apart from a cache of scenes and the list of jobs;
+/// everything else is in the recipes of the requests.
 #pragma once
 
 #include "explore/file_access.h"
@@ -21,8 +21,8 @@ namespace vdbtools::explore {
 
 struct ExploreRequest {
   std::string method;  ///< GET, POST or DELETE
-  std::string path;    ///< behind the key, as in "volume/0123"
-  std::string name;    ///< the query's "name"
+  std::string path;    ///< the path after the key, such as "volume/0123"
+  std::string name;    ///< the parameter "name" of the query
   std::string body;
 };
 
@@ -38,11 +38,11 @@ class ExploreSession {
   /// Makes the first scene. @throw as ExploreServer
   ExploreSession(const ExploreOptions& options, Monitor& monitor);
 
-  /// The most bytes that the body of a request may have.
+  /// The maximum size of the body of a request, bytes.
   static std::size_t mostBytes(const std::string& path);
 
-  /// Never throws, but for std::bad_alloc: what goes wrong becomes an answer.
-  /// @param monitor  cancels once nobody waits for the answer
+  /// Answers a request. It throws nothing but std::bad_alloc; other errors become answers.
+  /// @param monitor  is cancelled when nobody waits for the answer any more
   ExploreAnswer answer(const ExploreRequest& request, Monitor& monitor);
 
   /// Ends all jobs.
@@ -60,7 +60,7 @@ class ExploreSession {
   };
 
   Look lookOf(const json& body) const;
-  /// The same with the resolution of the body.
+  /// The same, with the resolution of the body.
   Look lookToMake(const json& body) const;
   std::shared_ptr<KeptScene> sceneOf(const Look& look, SceneStore::Turn turn, Monitor& monitor);
 
@@ -86,9 +86,9 @@ class ExploreSession {
   std::filesystem::path mFolder;
   FileAccess mAccess;
   SceneStore mScenes;
-  std::mutex mMutex;  // of the volumes
+  std::mutex mMutex;  // guards the volumes
   std::list<Volume> mVolumes;
-  std::mutex mTargetMutex;  // of the mesh
+  std::mutex mTargetMutex;  // guards the mesh
   std::shared_ptr<const TargetInput> mMeshOf;
   std::string mTargetMesh;
   JobQueue mJobs;

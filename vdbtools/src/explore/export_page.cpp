@@ -26,14 +26,14 @@ std::string_view pageFile(std::string_view name) {
   return file->bytes;
 }
 
-/// The text with one occurrence of @a what replaced, which must be there.
+/// The text with its only occurrence of @a what replaced. @a what must occur.
 std::string replaced(const std::string& text, std::string_view what, const std::string& by) {
   const std::size_t at = text.find(what);
   if (at == std::string::npos) throw std::logic_error("index.html has no '" + std::string(what) + "'");
   return text.substr(0, at) + by + text.substr(at + what.size());
 }
 
-/// JSON within a script element, which no text in it can end.
+/// JSON for a script element, in which no text can end the element.
 std::string inScript(const json& value) {
   std::string text;
   for (const char c : value.dump()) {
@@ -45,7 +45,7 @@ std::string inScript(const json& value) {
   return text;
 }
 
-/// In zlib's format, which DecompressionStream("deflate") reads.
+/// Compresses to zlib's format, which DecompressionStream("deflate") reads.
 std::string deflated(const std::string& bytes) {
   std::string result(compressBound(static_cast<uLong>(bytes.size())), '\0');
   uLongf size = static_cast<uLongf>(result.size());
@@ -78,14 +78,14 @@ void appendModule(std::string_view name, std::set<std::string_view>& done, std::
   script += own;
 }
 
-/// What the page has of the light and the material, {look: {options}}; null if it does not say.
+/// The options of the light and the material that the page sent as {look: {options}}; null if it sent none.
 json optionsOf(const json& page) {
   if (!page.is_object()) return {};
   const json look = page.value("look", json());
   return look.is_object() ? look.value("options", json()) : json();
 }
 
-/// Of the scene's own colours, and of all others, by the texts of --colour.
+/// The scene's own colouring, and all others, by the texts of --colour.
 json colourings(const Scene& scene, Monitor& monitor) {
   json all = json::object();
   if (const std::optional<ColourChoice>& own = scene.options.output.attributes.colour)

@@ -14,16 +14,16 @@
 
 namespace vdbtools::explore {
 
-/// The exponent is stored coarser than the server gives it, at most 160 nodes along an axis, as 16-bit floats; the page
-/// says so.
-/// @param recipe  what was given, for the page to show
+/// The exponent is stored more coarsely than the server sends it, with at most 160 nodes along an axis, as 16-bit
+/// floats; the page mentions this.
+/// @param recipe  the given options, which the page shows
 /// @param look    the camera, colours and light, as the page writes them into its address; null: the page's defaults
 /// @throw as sceneData()
 std::string exportPage(const Scene& scene, const Recipe& recipe, const nlohmann::json& look, Monitor& monitor);
 
-/// The modules of the page as one script: what each imports stands before it, without the words import and export. A
-/// module imports by lines `import {...} from "./name.js";` and exports what it declares; no two declare one name at
-/// their top level.
+/// Joins the modules of the page into one script: each module follows those that it imports, and the words import and
+/// export are removed. Modules must import by lines of the form `import {...} from "./name.js";`, export where they
+/// declare, and declare no name twice at their top levels.
 std::string bundledScript();
 
 }  // namespace vdbtools::explore

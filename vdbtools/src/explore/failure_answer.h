@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file failure_answer.h
-/// Exceptions as what the page is told: a status of HTTP, and the line that the command would print.
+/// Converts exceptions to what the page receives: an HTTP status, and the line that the command would print.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct FailureAnswer {
   std::string text;  ///< one line
 };
 
-/// Of the exception that is being handled.
+/// The answer for the exception that is being handled.
 FailureAnswer currentFailureAnswer();
 
 }  // namespace vdbtools::explore

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file file_access.h
-/// What a recipe from the page may read. The page names options freely; files it may name only if the command line
-/// named them before.
+/// Decides which files a recipe from the page may read. The page may use any option, but only those files that the
+/// command line names.
 #pragma once
 
 #include "vdbtools/scene/fractal_options.h"
@@ -13,17 +13,17 @@
 
 namespace vdbtools::explore {
 
-/// A recipe names a file that is not for the page.
+/// A recipe names a file that the page may not read.
 class FileRefused : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 class FileAccess {
  public:
-  /// @param given  of the command line
+  /// @param given  the options of the command line
   explicit FileAccess(const FractalOptions& given);
 
-  /// Parsing opens nothing, so that this comes in time.
+  /// Call it before the files are opened; parsing options opens none.
   /// @throw FileRefused  the options name another file
   void require(const FractalOptions& options) const;
   void require(const NamedFile& file) const;

@@ -24,12 +24,12 @@ using std::chrono::seconds;
 constexpr std::size_t kMostHeadBytes = 16384;
 constexpr seconds kIdle(5);         // between two requests of a connection
 constexpr seconds kHeadTime(5);     // from the first byte of a head to its last
-constexpr seconds kBodyTime(10);    // for a body, and a second more for every MiB of it
-constexpr seconds kWriteTime(30);   // without a byte that the client takes
-constexpr milliseconds kSlice(50);  // how soon waiting ends once the server is stopped
+constexpr seconds kBodyTime(10);    // for a body, plus a second for each MiB of it
+constexpr seconds kWriteTime(30);   // while the client accepts no byte
+constexpr milliseconds kSlice(50);  // the maximum time for which waiting continues after the server is stopped
 constexpr std::size_t kMiB = 1 << 20;
 
-/// What a status says besides its number.
+/// The words after the number of a status.
 const char* reasonOf(int status) {
   switch (status) {
     case 200: return "OK";
@@ -95,7 +95,7 @@ std::optional<HttpHead> HttpConnection::readHead() {
     if (mReceived.size() > kMostHeadBytes) break;
     if (!receive(deadline)) return std::nullopt;
   }
-  if (end > kMostHeadBytes) {  // or nowhere: npos is more than that
+  if (end > kMostHeadBytes) {  // also true if it was not found: npos is larger
     refuse(431);
     return std::nullopt;
   }
@@ -154,7 +154,7 @@ bool HttpConnection::write(std::string_view bytes) {
 }
 
 void HttpConnection::linger() {
-  // A socket that is closed with bytes unread resets the connection, and the client may never see the answer.
+  // Closing a socket that has unread bytes resets the connection, and then the client may never see the answer.
   ::shutdown(mSocket, SHUT_WR);
   constexpr milliseconds kLinger(300);
   constexpr std::size_t kMost = 4 * kMiB;

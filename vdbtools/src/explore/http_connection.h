@@ -17,8 +17,8 @@ namespace vdbtools::explore {
 
 struct HttpAnswer {
   int status = 200;
-  std::string_view fields;  ///< of the head, each with the end of its line
-  std::string_view type;    ///< of the body; empty: there is none
+  std::string_view fields;  ///< the header fields, each with its line end
+  std::string_view type;    ///< the type of the body; empty: there is none
   std::string_view body;
   bool headOnly = false;  ///< the body is not sent, only its length
 };
@@ -27,29 +27,30 @@ class HttpConnection {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param socket   does not block, and is closed at the end
-  /// @param stopped  once it is true, waiting ends; outlives this
+  /// @param socket   non-blocking; closed at the end
+  /// @param stopped  ends all waiting once it is true; must outlive this
   HttpConnection(int socket, const std::atomic<bool>& stopped);
   ~HttpConnection();
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
 
-  /// Waits for the head of the next request. Nothing if none came, or not a good one, and the client has been told so.
+  /// Waits for the head of the next request. Returns nothing if none came, or if it was malformed; in the second case,
+  /// the client has been answered.
   std::optional<HttpHead> readHead();
 
-  /// The body of the request at hand. Nothing if it did not come in time.
+  /// Reads the body of the current request. Returns nothing if it did not arrive in time.
   std::optional<std::string> readBody(std::size_t length);
 
-  /// To be called before the answer, which says so: no further request is read from this connection.
+  /// Call it before the answer, which then tells the client that no further request is read from this connection.
   void endAfterThis() { mEnds = true; }
   bool ends() const { return mEnds; }
 
-  /// Whether the client has gone. From any thread.
+  /// Whether the client has closed the connection. Any thread may call it.
   bool isDropped() const;
 
   void send(const HttpAnswer& answer);
 
-  /// A last answer without a body, to a client whose request was not read. Needs no memory.
+  /// Sends a last answer, without a body, to a client whose request was not read. It needs no memory.
   /// @param atOnce  whether the connection is closed without waiting for the client to see it
   void refuse(int status, bool atOnce = false);
 
@@ -61,7 +62,7 @@ class HttpConnection {
 
   int mSocket;
   const std::atomic<bool>& mStopped;
-  std::string mReceived;  ///< and not used yet
+  std::string mReceived;  ///< bytes that were received but not used yet
   bool mEnds = false;
 };
 

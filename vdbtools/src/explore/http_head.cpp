@@ -10,7 +10,7 @@
 namespace vdbtools::explore {
 namespace {
 
-/// A character of a method or of a field's name, RFC 9110 5.6.2.
+/// Whether a character may occur in a method or in a field's name, RFC 9110 5.6.2.
 bool isToken(char c) {
   constexpr std::string_view kOthers = "!#$%&'*+-.^_`|~";
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || kOthers.find(c) != kOthers.npos;
@@ -20,10 +20,11 @@ bool isToken(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return isToken(c); });
 }
 
-/// A character that may stand in a line. Bytes beyond ASCII may, and mean nothing.
+/// Whether a character may occur in a line. Bytes beyond ASCII may, and have no meaning.
 bool isText(char c) { return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f); }
 
-/// Takes the text up to @a end, and what ends it, off @a rest. Everything, if it does not end.
+/// Removes the text up to @a end, and @a end itself, from @a rest and returns the text. If @a end does not occur, takes
+/// everything.
 std::string_view takeUpTo(std::string_view end, std::string_view& rest) {
   const std::size_t at = rest.find(end);
   const std::string_view taken = rest.substr(0, at);
@@ -31,7 +32,7 @@ std::string_view takeUpTo(std::string_view end, std::string_view& rest) {
   return taken;
 }
 
-/// "GET /path HTTP/1.1". The target begins with a slash: other targets are for proxies.
+/// Reads "GET /path HTTP/1.1". The target must begin with a slash, because other targets are for proxies.
 bool readRequestLine(std::string_view line, HttpHead& head) {
   head.method = takeUpTo(" ", line);
   head.target = takeUpTo(" ", line);
@@ -40,7 +41,8 @@ bool readRequestLine(std::string_view line, HttpHead& head) {
          (head.old || line == "HTTP/1.1");
 }
 
-/// "Name: value". Nothing else: no space before the colon, and no line that continues the one before.
+/// Reads "Name: value" and refuses any other form, such as a space before the colon or a line that continues the
+/// previous one.
 bool readField(std::string_view line, HttpHead& head) {
   if (line.find(':') == line.npos) return false;
   const std::string_view name = takeUpTo(":", line);
@@ -69,7 +71,7 @@ std::string HttpHead::parameter(std::string_view name) const {
   takeUpTo("?", query);
   while (!query.empty()) {
     std::string value(takeUpTo("&", query));
-    std::replace(value.begin(), value.end(), '+', ' ');  // as forms encode a space
+    std::replace(value.begin(), value.end(), '+', ' ');  // forms encode a space as a plus sign
     std::string_view rest = value;
     if (percentDecoded(takeUpTo("=", rest)) == name) return percentDecoded(rest);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file http_head.h
-/// The head of a request in HTTP/1.1 (RFC 9112), without sockets. It has no more meanings than the server uses: there
-/// are no ranges, no compression, no forms and no cookies that a client could ask for.
+/// Parses the head of a request in HTTP/1.1 (RFC 9112), without sockets. It supports only what the server uses: no
+/// ranges, no compression, no forms and no cookies.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ struct HttpHead {
   bool old = false;                                         ///< HTTP/1.0
   std::vector<std::pair<std::string, std::string>> fields;  ///< names in lower case, values without spaces around them
 
-  /// How many fields have this name.
+  /// The number of fields with this name.
   std::size_t count(std::string_view name) const;
 
   /// The value of the first field of this name; empty if there is none.
@@ -36,8 +36,8 @@ struct HttpHead {
 };
 
 /// @param bytes  everything up to and including the empty line
-/// @return nothing if that is not well formed, down to every character: such a head may mean one thing to this server
-///         and another one to whatever is in between
+/// @return nothing unless every character is well formed: a malformed head may mean one thing to this server and
+/// another to a proxy in front of it
 std::optional<HttpHead> parsedHead(std::string_view bytes);
 
 }  // namespace vdbtools::explore

@@ -20,7 +20,7 @@ constexpr int kBacklog = 128;
 
 bool listenAt(int socket, const std::string& address, int port) {
   const int on = 1, off = 0;
-  // The port of a server that has just ended may be taken, and that of one that runs may not.
+  // The port of a server that has just ended can be taken over, but not that of a running one.
   ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   sockaddr_in four{};
   sockaddr_in6 six{};
@@ -32,7 +32,7 @@ bool listenAt(int socket, const std::string& address, int port) {
     bound = ::bind(socket, reinterpret_cast<const sockaddr*>(&four), sizeof four);
   } else {
     ::inet_pton(AF_INET6, address.c_str(), &six.sin6_addr);
-    ::setsockopt(socket, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);  // "::" is every address, those of IPv4 too
+    ::setsockopt(socket, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);  // "::" includes all IPv4 addresses
     bound = ::bind(socket, reinterpret_cast<const sockaddr*>(&six), sizeof six);
   }
   return bound == 0 && ::listen(socket, kBacklog) == 0;
@@ -75,8 +75,8 @@ int HttpListener::accept(std::chrono::milliseconds wait) {
   pollfd entry{mSocket, POLLIN, 0};
   if (::poll(&entry, 1, static_cast<int>(wait.count())) <= 0) return -1;
   const int socket = ::accept4(mSocket, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-  // Mostly there are no descriptors left, and the connection waits on; asking again at once would only heat the
-  // machine.
+  // Usually the process has run out of descriptors, and the connection keeps waiting; trying again at once would only
+  // waste time.
   if (socket < 0) std::this_thread::sleep_for(wait);
   return socket;
 }

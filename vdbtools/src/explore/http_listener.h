@@ -14,7 +14,7 @@ bool isIp6(const std::string& address);
 class HttpListener {
  public:
   /// @param address  an IP address of this machine
-  /// @param port     0: any that is free
+  /// @param port     0: any free port
   /// @throw CreateError  the port cannot be taken
   HttpListener(const std::string& address, int port);
   ~HttpListener();

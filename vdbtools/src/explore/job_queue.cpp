@@ -87,14 +87,14 @@ class JobQueue::Job final : public Monitor {
     if (status.state != JobState::Running || !mShare) return status;
     const double fraction = mTotal ? std::min(1.0, static_cast<double>(mDone.load()) / static_cast<double>(mTotal)) : 0;
     status.share = mShare->at(fraction);
-    constexpr double kKnown = 0.01;  // a share from which the time left is told
+    constexpr double kKnown = 0.01;  // the share from which the remaining time is reported
     const double seconds = std::chrono::duration<double>(Clock::now() - mStart).count();
     if (status.share > kKnown) status.left = seconds * (1 - status.share) / status.share;
     return status;
   }
 
  private:
-  mutable std::mutex mMutex;  // of what follows but the two atomic numbers
+  mutable std::mutex mMutex;  // guards everything below except the two atomic numbers
   JobStatus mStatus;
   std::unique_ptr<WorkShare> mShare;
   std::uint64_t mTotal = 0;
@@ -194,7 +194,7 @@ bool JobQueue::cancel(int number) {
 }
 
 void JobQueue::work() {
-  // What the page waits for goes before the files.
+  // The page's own requests have priority over files.
   tbb::task_arena arena(tbb::task_arena::automatic, 1, tbb::task_arena::priority::low);
   std::unique_lock lock(mMutex);
   for (;;) {

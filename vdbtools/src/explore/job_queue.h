@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file job_queue.h
-/// The files that the page has made: one job at a time, the others wait. A job does what `juliavdb fractal` does, and
-/// its files have the same bytes.
+/// Makes the files that the page requests, one job at a time, while the other jobs wait. A job does what `juliavdb
+/// fractal` does, and its files have the same bytes.
 #pragma once
 
 #include "vdbtools/explore/explore_server.h"
@@ -21,8 +21,8 @@ namespace vdbtools::explore {
 
 struct JobRequest {
   Recipe recipe;                     ///< completed, with the resolution
-  Recipe given;                      ///< what the page shows of it
-  std::string name;                  ///< of the files, without the folder and the extension
+  Recipe given;                      ///< the options of it that the page shows
+  std::string name;                  ///< the files' name, without the folder and the extension
   std::vector<std::string> formats;  ///< "vdb", "ply" and so on, each once
   bool overwrite = false;
 };
@@ -35,13 +35,13 @@ struct JobStatus {
   JobRequest request;
   JobState state = JobState::Queued;
   std::string phase;
-  double share = 0;                ///< of the work, from 0 to 1
-  double left = -1;                ///< seconds, below 0 where that is not known
-  std::vector<std::string> files;  ///< their names, once they are in their places
-  std::string error;               ///< of a job that failed
+  double share = 0;                ///< the done share of the work, from 0 to 1
+  double left = -1;                ///< remaining seconds; negative if unknown
+  std::vector<std::string> files;  ///< the names of its files, once they are complete
+  std::string error;               ///< why a job failed
 };
 
-/// What a job has made.
+/// The files that a job has made.
 struct MadeFiles {
   Recipe recipe;  ///< completed
   std::vector<std::filesystem::path> files;
@@ -62,17 +62,16 @@ class JobQueue {
   JobQueue& operator=(const JobQueue&) = delete;
 
   /// @return the job's number, from 1
-  /// @throw std::invalid_argument  a file is there already, or is an input, no or an unknown format, a name that is not
-  /// allowed, or too
-  ///                               many jobs wait
+  /// @throw std::invalid_argument  a file exists already or is an input, there is no format or an unknown one, the name
+  ///                               is not allowed, or too many jobs wait
   int add(const JobRequest& request);
-  /// All that are known: the last hundred or so, in the order in which they were added.
+  /// The last hundred jobs or so, in the order in which they were added.
   std::vector<JobStatus> list() const;
-  /// None: there is no such job, or it has not made its files.
+  /// Returns nothing if there is no such job, or if it has not made its files.
   std::optional<MadeFiles> madeFiles(int number) const;
-  /// @return false: there is no such job
+  /// @return false if there is no such job
   bool cancel(int number);
-  /// No job begins after this, and the one that is running is asked to end.
+  /// Cancels the running job, and starts no other.
   void stop();
 
  private:
@@ -85,7 +84,7 @@ class JobQueue {
   std::filesystem::path mFolder;
   InputFiles mInputs;
   MakeShare mMakeShare;
-  mutable std::mutex mMutex;  // of everything below
+  mutable std::mutex mMutex;  // guards everything below
   std::condition_variable mWake;
   bool mStopped = false;
   int mLast = 0;

@@ -58,7 +58,7 @@ const char* kindOf(FieldColour by) {
   return "";
 }
 
-/// No more stops than a texture has texels.
+/// The stops of a gradient, but no more than a texture has texels.
 json stopsOf(const Gradient& gradient) {
   constexpr std::size_t kMost = 256;
   const std::vector<Gradient::Stop>& stops = gradient.stops();
@@ -71,7 +71,7 @@ json stopsOf(const Gradient& gradient) {
   return list;
 }
 
-/// The distances on a lattice over the target and what lies around it up to @a around; all in fractal space.
+/// The distances on a lattice over the target and over its surroundings up to @a around; all in fractal space.
 json distanceData(const Scene& scene, const DepthColouring& depth, double around, Monitor& monitor) {
   constexpr int kSide = 64;
   const FractalSpace& space = scene.field.space;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file look_data.h
-/// What the page shows of a picture beside its scene: the material, the light, and the colours with their ranges. The
-/// program reads the texts, and the page has the numbers from it.
+/// The data of a picture besides its scene: the material, the light, and the colours with their ranges. The program
+/// parses the texts of the options and sends the numbers to the page.
 #pragma once
 
 #include "vdbtools/render/field_colour.h"
@@ -17,8 +17,8 @@ namespace vdbtools::explore {
 /// @throw std::invalid_argument  it is something else, or has other options
 Recipe lookTexts(const nlohmann::json& body);
 
-/// The numbers behind such texts: {material, light, sky, ground, background, exposure}. Colours are linear RGB; a
-/// background is one of them, or "none" or null, the neutral one. @throw std::invalid_argument naming the option
+/// The numbers that such texts stand for: {material, light, sky, ground, background, exposure}. Colours are linear RGB.
+/// The background is a colour, "none", or null for the neutral one. @throw std::invalid_argument naming the option
 nlohmann::json lookData(const Recipe& texts);
 
 /// The materials by their names: an object of {albedo, gloss, sharpness, mirrors}.
@@ -35,11 +35,11 @@ nlohmann::json gradientData();
 /// @throw as sceneColouring()
 nlohmann::json colouringData(const Scene& scene, const ColourChoice& choice, Monitor& monitor);
 
-/// The options of a picture by `juliavdb render --field`, of the entries of a request: view, width, height, samples,
+/// The options of a picture by `juliavdb render --field`, from the entries of a request: view, width, height, samples,
 /// look, colour, epsilon, alphaClarity.
 /// @throw std::invalid_argument
 FieldPicture pictureOf(const nlohmann::json& body);
-/// The same as options, in the words of the command line.
+/// The same as texts of the options of the command line.
 Recipe pictureTexts(const nlohmann::json& body);
 
 /// A number, or a list of them, as the text of an option. @throw std::invalid_argument

@@ -18,7 +18,7 @@
 namespace vdbtools::explore {
 namespace {
 
-/// @param up  the axis that points up where the picture does not say it
+/// @param up  the picture's up axis, if it does not give one
 PreviewOptions previewOf(const FieldPicture& picture, UpAxis up, const UpTurn& turn) {
   const FieldView& view = picture.view;
   PreviewOptions options{.width = picture.render.width,

@@ -32,17 +32,17 @@ Recipe recipeOfText(std::string_view text) {
   return recipe;
 }
 
-/// The texts among the extras of the asset, where a GLB has its recipe.
+/// The texts among the extras of the asset, where a GLB stores its recipe.
 std::map<std::string, std::string> glbExtras(std::string_view bytes) {
   static_assert(std::endian::native == std::endian::little, "the numbers are read as they lie in the file");
-  // The magic, the version and the length of all; then the length and the type of the first chunk.
+  // The magic number, the version and the total length; then the length and the type of the first chunk.
   constexpr std::size_t kHead = 20;
   std::uint32_t words[kHead / 4] = {};
   if (bytes.size() < kHead || !bytes.starts_with("glTF"))
     throw DataError("this is not a GLB: it does not begin as one does");
   std::memcpy(words, bytes.data(), kHead);
   const std::string_view rest = bytes.substr(kHead);
-  constexpr std::uint32_t kMostDescription = 16 << 20;  // bytes; ours have a few thousand
+  constexpr std::uint32_t kMostDescription = 16 << 20;  // bytes; those of this program have a few thousand
   if (words[3] > rest.size()) throw DataError("the GLB ends before its description does");
   if (words[3] > kMostDescription) throw DataError("the GLB's description is too large to be one of this program");
   const nlohmann::json description = parsedJson<nlohmann::json>(rest.substr(0, words[3]));

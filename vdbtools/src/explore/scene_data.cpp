@@ -64,7 +64,7 @@ class Volume {
       mCount[axis] = std::min(side, static_cast<int>(std::lround(extent)) + 1);
       mStep[axis] = mCount[axis] > 1 ? extent / (mCount[axis] - 1) : 1;
     }
-    // In nodes, so that what lies on one is read as it is.
+    // In units of nodes, so that a value at a node is read unchanged.
     julia::BrickPlacement nodes{.low = placement.low, .high = placement.high};
     for (std::size_t axis = 0; axis < 3; ++axis) nodes.matrix[axis][axis] = 1;
     read(julia::BrickField<float>(exponent.bricks, nodes), placement.low);
@@ -141,7 +141,7 @@ json waves(const julia::WaveVersorDescription& versor) {
           {"octave", std::move(description)}};
 }
 
-/// Where the map does not prove that the set is not: a bit a cube, X fastest, the first in the lowest bit.
+/// The cubes that are not proved to be outside the set: one bit per cube, X fastest, the first in the lowest bit.
 json occupancy(const Scene& scene, const openvdb::BBoxd& region, Monitor& monitor) {
   constexpr int kCells = 64;  // along the longest side
   const Occupancy occupied(*scene.field.evaluator, region, kCells, monitor);
@@ -161,7 +161,7 @@ json occupancy(const Scene& scene, const openvdb::BBoxd& region, Monitor& monito
           {"bits", base64(bits)}};
 }
 
-/// The lowest places of the set along Y and Z, as a lattice finds them that is finer along the axis; fractal space.
+/// The lowest positions of the set along Y and Z, found on a lattice that is finer along that axis; fractal space.
 json lowest(const Scene& scene, const openvdb::BBoxd& region) {
   constexpr int kCells = 48, kFiner = 8;
   const Vec3d cell = region.extents() / kCells;
@@ -170,7 +170,7 @@ json lowest(const Scene& scene, const openvdb::BBoxd& region) {
     const int across[] = {(axis + 1) % 3, (axis + 2) % 3};
     std::vector<julia::Point> points(std::size_t(kCells) * kCells);
     std::vector<double> field(points.size());
-    // Of a layer across the axis: a place within the set.
+    // Finds a point within the set in one layer across the axis.
     const auto within = [&](double height) -> std::optional<Vec3d> {
       for (int j = 0; j < kCells; ++j)
         for (int i = 0; i < kCells; ++i) {
@@ -200,13 +200,13 @@ constexpr const char* kNotShown =
     "the page has no live picture of this versor: it shows one texture or roots, without a layer and a symmetry; "
     "'juliavdb render --field' makes pictures of any";
 
-/// Whether the page's shader has the versor. @param described  as VersorField::describe()
+/// Whether the page's shader supports the versor. @param described  as VersorField::describe()
 bool isShown(const std::any& described) {
   const auto* const wave = std::any_cast<julia::WaveVersorDescription>(&described);
   return std::any_cast<julia::Rational>(&described) || (wave && wave->octave);
 }
 
-/// Adds the entries of the map, and the exponent's to @a volume.
+/// Adds the entries of the map, and writes the exponent to @a volume.
 void describeMap(const julia::MapDescription& map, const SceneDataOptions& options, SceneData& data) {
   json& scene = data.description;
   if (const auto* shape = std::any_cast<julia::ShapeModulusDescription>(&map)) {

@@ -14,15 +14,16 @@
 namespace vdbtools::explore {
 
 struct SceneDataOptions {
-  /// The most nodes of the volume along any axis, from 16 to 256, which every implementation of WebGL 2 can hold. A
-  /// finer exponent is read at this many places.
+  /// The maximum number of nodes of the volume along any axis, from 16 to 256, which every implementation of WebGL 2
+  /// supports. A finer exponent is sampled at this many places.
   int side = 256;
 };
 
 struct SceneData {
-  /// All lengths are in fractal space but for those of the entries "space" and "frame". What is infinite is null.
+  /// All lengths are in fractal space, except in the entries "space" and "frame". Infinite numbers are null.
   nlohmann::json description;
-  /// Of a map with an exponent, otherwise empty: its values as little-endian 16-bit floats, X fastest, then Y.
+  /// For a map with an exponent, the values of the exponent as little-endian 16-bit floats, X fastest, then Y;
+  /// otherwise empty.
   std::string volume;
 };
 
@@ -33,7 +34,7 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
 /// A 16-bit float, little-endian; values beyond those that it can hold become the largest. @return it as a float
 float appendHalf(std::string& bytes, float value);
 
-/// @throw std::invalid_argument  the page has no shader for the scene's versor: a formula, a field or layers, say
+/// @throw std::invalid_argument  the page has no shader for the scene's versor, such as a formula, a field or layers
 void requireShown(const Scene& scene);
 
 }  // namespace vdbtools::explore

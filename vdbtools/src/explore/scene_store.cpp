@@ -8,9 +8,10 @@
 namespace vdbtools::explore {
 namespace {
 
-// For the look at hand, and a few before it for undo. A scene of the bunny takes some 30 MB.
+// The current look, and a few previous ones for undo. A scene of the bunny takes some 30 MB.
 constexpr std::size_t kMostScenes = 8;
-constexpr std::chrono::milliseconds kPatience(50);  // how soon a waiting request sees that nobody waits for it
+constexpr std::chrono::milliseconds kPatience(
+    50);  // how long a waiting request takes to notice that nobody waits for its answer
 
 /// A target that the scenes and the page share.
 class SharedInput final : public TargetInput {
@@ -103,7 +104,7 @@ std::shared_ptr<KeptScene> SceneStore::get(const Recipe& recipe, const FractalOp
     throw;
   }
   release();
-  // Of one recipe only the latest is asked for.
+  // Only the latest scene of a recipe is ever requested again.
   mKept.remove_if(
       [&](const Entry& entry) { return entry.sources.recipe == recipe && entry.sources.picture == options.picture; });
   mKept.push_front({sources, made});

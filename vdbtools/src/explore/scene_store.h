@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file scene_store.h
-/// The scenes that the page asks for, made one at a time, and the latest of them kept for pictures.
+/// Makes the scenes that the page requests, one at a time, and keeps the latest of them for pictures.
 #pragma once
 
 #include "files/file_state.h"
@@ -18,13 +18,13 @@
 
 namespace vdbtools::explore {
 
-/// A later request has taken this one's place.
+/// A later request has replaced this one.
 class Superseded : public std::runtime_error {
  public:
   Superseded() : std::runtime_error("a later request has taken the place of this one") {}
 };
 
-/// A scene that stays where it is, for the evaluators and renderers that refer to it.
+/// A scene at a fixed address, because evaluators and renderers refer to it.
 class KeptScene {
  public:
   explicit KeptScene(Scene made);
@@ -50,19 +50,19 @@ class SceneStore {
   SceneStore();
 
   enum class Turn {
-    Latest,  ///< a later request of this kind takes the place of one that still waits
-    Waits    ///< it waits until it is its turn
+    Latest,  ///< a later request of this kind replaces one that still waits
+    Waits    ///< it waits for its turn
   };
 
   /// The scene of a completed recipe: one of those that are kept, if none of its files has changed since, or a new one.
   /// @throw Superseded, Interrupted, and as parseFractalOptions() and makeScene()
   std::shared_ptr<KeptScene> get(const Recipe& recipe, const FractalOptions& options, Turn turn, Monitor& monitor);
 
-  /// The target that was opened last; nullptr: none yet.
+  /// The target that was opened last; nullptr if none was.
   std::shared_ptr<const TargetInput> target() const;
 
  private:
-  /// What a scene is made from: its recipe, and the files that this names as they were before they were read.
+  /// What a scene is made from: its recipe, and the state of the files that it names before they were read.
   struct Sources {
     Recipe recipe;
     bool picture = false;  ///< as FractalOptions has it
@@ -76,11 +76,11 @@ class SceneStore {
   };
   std::shared_ptr<KeptScene> find(const Sources& sources);
 
-  mutable std::mutex mMutex;  // of everything below but mMaker, which belongs to the thread that has set mBusy
+  mutable std::mutex mMutex;  // guards everything below except mMaker, which belongs to the thread that has set mBusy
   std::condition_variable mFree;
   bool mBusy = false;
   std::uint64_t mLatest = 0;
-  std::list<Entry> mKept;  ///< the last used first
+  std::list<Entry> mKept;  ///< the most recently used first
   std::shared_ptr<const TargetInput> mTarget;
   SceneMaker mMaker;
 };

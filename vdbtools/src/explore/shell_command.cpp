@@ -14,7 +14,7 @@ void appendOption(std::string& command, const std::string& name, const std::stri
   command += ' ' + name + (value.starts_with('-') ? '=' : ' ') + shellWord(value);
 }
 
-/// The target, and the options that have an effect in any of the runs.
+/// Appends the target, and the options that have an effect in any of the runs.
 void appendRecipe(std::string& command, const Recipe& recipe, const OptionTable& table,
                   const std::vector<OptionRun>& runs) {
   if (const auto input = recipe.find("input"); input != recipe.end())
@@ -85,7 +85,7 @@ std::string framesCommand(const farm::FramePlanOptions& options, const std::stri
 Recipe shortestRecipe(const Recipe& recipe, const OptionTable& table) {
   const Recipe completed = completeRecipe(recipe, table);
   Recipe shortest = recipe;
-  // What one entry says may follow from others only once a third is gone.
+  // An entry may follow from others only after a third entry has been removed.
   for (std::size_t before = 0; before != shortest.size();) {
     before = shortest.size();
     for (const auto& [name, value] : Recipe(shortest)) {

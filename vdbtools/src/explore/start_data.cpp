@@ -19,7 +19,7 @@ bool names(const std::vector<OptionSpec>& options, const std::string& name) {
   return std::any_of(options.begin(), options.end(), [&](const OptionSpec& option) { return option.name == name; });
 }
 
-/// Which part of a scene an option belongs to.
+/// The part of a scene to which an option belongs.
 std::string groupOf(const std::string& name, const MapRegistry& maps) {
   if (names(targetOptionSpecs(), name)) return "target";
   if (name == "map") return "map";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file start_data.h
-/// What the page needs to know at first of the program: options, maps, textures.
+/// The data about the program that the page needs at the start: options, maps, textures.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -236,7 +236,7 @@ julia::RadialMaximum boundsAbout(const Vec3d& point, const Target& target, const
       .maximum(place == Place::Outside ? bounds.outside : bounds.solid, monitor);
 }
 
-/// The v of which E is made.
+/// The v from which E is made.
 double beforeKnee(double exponent, const julia::Knee& knee) {
   return exponent < knee.at ? knee.at + (exponent - knee.at) / (1 + knee.more) : exponent;
 }

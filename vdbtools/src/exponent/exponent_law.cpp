@@ -35,7 +35,7 @@ std::pair<double, double> shareRange(const Control& control, const std::string& 
   return {clamped(least), clamped(most)};
 }
 
-/// w where phi is 0, but for its sign.
+/// w where phi is 0, with the opposite sign.
 double outsideShare(double inward, double outward) {
   const double sum = inward + outward;
   // If both reaches are 0, the remaining shell lies on both sides.

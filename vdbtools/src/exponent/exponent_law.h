@@ -5,7 +5,7 @@
 ///
 /// For detail D and outward reach O, as fractions of the local thickness tau, and a mask m,
 ///
-///   h = 0.96 m (D + O) tau    the width of the shell; 2 % of what is between the two ends are free at either
+///   h = 0.96 m (D + O) tau    the width of the shell, which leaves 2 % of m (D + O) tau free at each end
 ///   w = phi / h - (O / (D + O) - 0.02) / 0.96
 ///
 /// so that w is -1 at phi = -m (D - 0.02 (D + O)) tau and 0 at phi = m (O - 0.02 (D + O)) tau. h is nowhere below

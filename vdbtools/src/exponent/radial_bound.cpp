@@ -73,7 +73,7 @@ float greatestOf(const Leaf& leaf) {
 struct Neighbourhood {
   static constexpr int kDim = static_cast<int>(Leaf::DIM), kRim = 2, kSide = kDim + 2 * kRim,
                        kCount = kSide * kSide * kSide;
-  /// What is known of a node.
+  /// What is known about the value at a node.
   enum class Kind : std::uint8_t { Known, Inside, Outside };
 
   Neighbourhood(const Leaf& leaf, const openvdb::tree::ValueAccessor<const FloatTree>& accessor) {
@@ -153,15 +153,15 @@ struct Ordinates {
   }
 };
 
-/// Adds boxes to a table. What it does not add could not raise the table, whatever was added before: so the table does
-/// not depend on their order.
+/// Adds boxes to a table. A box that is left out could not raise the table, so the table does not depend on the order
+/// of the boxes.
 class BoxAdder {
  public:
   /// @param axis  steps along the axes, units of fractal space
   BoxAdder(const Vec3d* axis, double diagonal, double step, PrefixMaximum& table)
       : mAxis(axis), mDiagonal(diagonal), mStep(step), mLast(static_cast<double>(table.size())), mTable(table) {}
 
-  /// What is known of a box before it is looked at.
+  /// The bounds of a box before it is examined.
   struct Limits {
     double nearest = 0;                                         ///< distance from the point, steps
     double greatest = std::numeric_limits<double>::infinity();  ///< bound of E
@@ -207,7 +207,7 @@ class BoxAdder {
     using Box = Ordinates<kDegree>;
     const double distance = middle.length();
     const Vec3d u = middle / distance;
-    double along[3];  // the way from ordinate to ordinate, along u
+    double along[3];  // the steps between ordinates along u
     double rise = 0, squared = 0;
     for (int axis = 0; axis < 3; ++axis) {
       along[axis] = u.dot(mAxis[axis]) * size / kDegree;

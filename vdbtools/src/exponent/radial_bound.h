@@ -24,9 +24,9 @@ namespace vdbtools {
 ///
 ///   E(y) <= T + s |y|
 ///
-/// holds in the whole cell. With the slope of E along u it is tight where E grows away from the point, which it does
-/// where the maximum over a ball lies. So it hardly matters how many cells a part is thick. Near the point, where
-/// directions differ within a cell, cells are halved.
+/// holds in the whole cell. With the slope of E along u it is tight where E grows away from the point, as it does where
+/// the maximum over a ball lies. The bound therefore hardly depends on the number of cells across a part. Near the
+/// point, where directions differ within a cell, cells are halved.
 class RadialBound {
  public:
   /// @param tree    E at its active nodes; inactive ones have its sign. Must outlive this.

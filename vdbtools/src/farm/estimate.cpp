@@ -24,8 +24,8 @@ using Vector = std::array<double, 2>;
 
 Vector vectorOf(const TaskWork& work) { return {work.shell, work.surface}; }
 
-/// The number of tasks in the sample that tell something of a line through it. Tasks without work and without a value
-/// lie on one point, so they count as one, however many they are.
+/// The number of tasks in the sample that help to determine a line through it. Tasks without work and without a value
+/// all lie on the same point, so they count as one.
 std::size_t tellingTasks(std::span<const std::pair<TaskWork, double>> sample) {
   const auto empty = static_cast<std::size_t>(std::ranges::count_if(
       sample, [](const auto& one) { return one.first.shell == 0 && one.first.surface == 0 && one.second == 0; }));

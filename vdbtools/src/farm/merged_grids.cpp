@@ -52,7 +52,7 @@ FloatGrid::Ptr keptSurface(const fs::path& folder, const TileJob& job, const Pla
   for (std::size_t tile = 0; tile < islands.tiles.size(); ++tile) {
     islands.tiles[tile].forEachOwn([&](std::span<const InsideRun> runs) {
       for (const InsideRun& run : runs) {
-        if (!islands.joined.kept[tile][run.part]) continue;
+        if (!islands.joined.keptParts[tile][run.part]) continue;
         for (int z = run.first; z <= run.last; z = (z | (kBlock - 1)) + 1) {
           Leaf* const leaf = leaves.probeLeaf({run.x, run.y, z});
           if (!leaf) continue;

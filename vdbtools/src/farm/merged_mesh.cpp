@@ -95,7 +95,7 @@ MeshWriteOptions meshOptions(const TileJob& job, MeshFormat format) {
 
 TileReader openTile(const fs::path& folder, std::uint64_t index, const PlanIslands* islands, bool caps) {
   TileReader tile(folder / tileMeshName(index));
-  if (islands) tile.setFilter({islands->joined.kept[index - 1], caps});
+  if (islands) tile.setFilter({islands->joined.keptParts[index - 1], caps});
   return tile;
 }
 

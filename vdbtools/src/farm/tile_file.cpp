@@ -79,7 +79,7 @@ void TileEncoder::write(std::ostream& stream) const {
 }
 
 bool applyFilter(const TileFilter& filter, TileLayer& layer) {
-  const auto known = [&](std::uint32_t part) { return part < filter.kept.size(); };
+  const auto known = [&](std::uint32_t part) { return part < filter.keptParts.size(); };
   if (!std::all_of(layer.pointParts.begin(), layer.pointParts.end(), known) ||
       !std::all_of(layer.triangleParts.begin(), layer.triangleParts.end(), known))
     return false;
@@ -89,14 +89,14 @@ bool applyFilter(const TileFilter& filter, TileLayer& layer) {
     const std::size_t pointsBefore = points, trianglesBefore = triangles;
     for (; point < pointsEnd; ++point) {
       const std::uint16_t edge = layer.edges[point];
-      if (!filter.kept[layer.pointParts[point]] || (edge & kOnCap && !filter.caps)) continue;
+      if (!filter.keptParts[layer.pointParts[point]] || (edge & kOnCap && !filter.caps)) continue;
       layer.edges[points] = static_cast<std::uint16_t>(edge & ~kOnCap);
       layer.positions[points] = layer.positions[point];
       layer.normals[points++] = layer.normals[point];
     }
     for (; triangle < trianglesEnd; ++triangle) {
       TileLayer::Triangle record = layer.triangles[triangle];
-      if (!filter.kept[layer.triangleParts[triangle]] || (record[0] & kOnCap && !filter.caps)) continue;
+      if (!filter.keptParts[layer.triangleParts[triangle]] || (record[0] & kOnCap && !filter.caps)) continue;
       record[0] = static_cast<std::uint16_t>(record[0] & ~kOnCap);
       layer.triangles[triangles++] = record;
     }

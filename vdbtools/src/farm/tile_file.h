@@ -56,8 +56,8 @@ struct TileLayer {
 
 /// Selects points and triangles of a tile.
 struct TileFilter {
-  std::vector<bool> kept;  ///< whether each part of an island is kept
-  bool caps = false;       ///< whether points and triangles on caps are kept
+  std::vector<bool> keptParts;  ///< whether each part of an island is kept
+  bool caps = false;            ///< whether points and triangles on caps are kept
 };
 
 struct TileCounts {

@@ -292,9 +292,9 @@ JoinedIslands joinIslands(std::span<const TileIslandsReader> tiles, const Island
   JoinedIslands joined{.report = chooseIslands(islands, options, voxelSize)};
   std::size_t number = 0;
   for (const TileIslandsReader& tile : tiles) {
-    std::vector<bool>& kept = joined.kept.emplace_back();
+    std::vector<bool>& kept = joined.keptParts.emplace_back();
     for (const TilePart& part : tile.parts()) {
-      kept.push_back(parts[sets.find(number++)].kept);
+      kept.push_back(parts[sets.find(number++)].isKept);
       if (!kept.back()) continue;
       joined.points += part.points;
       joined.capPoints += part.capPoints;

@@ -99,8 +99,8 @@ class TileIslandsReader {
 /// The islands of all tiles, joined.
 struct JoinedIslands {
   IslandReport report;
-  std::vector<std::vector<bool>> kept;  ///< for each tile, whether each part is kept
-  std::uint64_t points = 0;             ///< number of points in the remaining mesh, without those on caps
+  std::vector<std::vector<bool>> keptParts;  ///< for each tile, whether each part is kept
+  std::uint64_t points = 0;                  ///< number of points in the remaining mesh, without those on caps
   std::uint64_t capPoints = 0;
 };
 

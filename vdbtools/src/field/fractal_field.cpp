@@ -40,7 +40,7 @@ using Leaf = FloatTree::LeafNodeType;
 // Beyond this, a lattice index leaves no room for a neighbour or loses its last bits in world space.
 constexpr double kMostIndex = 1 << 29;
 
-/// Coordinates of index space, cut off where nodes cannot be numbered.
+/// Coordinates of index space, clipped to the range in which nodes can be numbered.
 openvdb::BBoxd numbered(openvdb::BBoxd lattice) {
   for (int axis = 0; axis < 3; ++axis) {
     lattice.min()[axis] = std::clamp(lattice.min()[axis], -kMostIndex, kMostIndex);
@@ -94,7 +94,7 @@ CoordBBox wholeDomain(const ExponentGrid& exponent, const FractalFieldOptions& o
       exponent.grid->transform().indexToWorld(openvdb::BBoxd(cells.min().asVec3d(), cells.max().asVec3d()));
   const int margin = exponent.denseBox ? 0 : 1;
   if (options.origin == Vec3d(0)) return latticeNodes(world, options, margin);
-  // A lattice about a small box need not number what lies far from it.
+  // A lattice about a small box need not number nodes that lie far from it.
   return nodesIn(numbered(inLattice(world, options)), margin);
 }
 

@@ -25,14 +25,14 @@ void dropSmall(std::vector<Island*>& islands, double minSize, double voxelSize) 
   int largest = 0;
   for (Island* island : islands) {
     largest = std::max(largest, sizeOf(*island));
-    island->kept = sizeOf(*island) >= least;
+    island->isKept = sizeOf(*island) >= least;
   }
   if (largest < least)
     throw DataError("no island is left: the largest of " + std::to_string(islands.size()) + " is " +
                         shortText(largest * voxelSize) + " across, and the smallest that was to be kept is " +
                         shortText(minSize) + "; keep smaller ones",
                     Remedy::SmallerIslands);
-  std::erase_if(islands, [](const Island* island) { return !island->kept; });
+  std::erase_if(islands, [](const Island* island) { return !island->isKept; });
 }
 
 void keepLargest(std::vector<Island*>& islands, std::uint64_t count) {
@@ -41,7 +41,7 @@ void keepLargest(std::vector<Island*>& islands, std::uint64_t count) {
   std::nth_element(islands.begin(), end, islands.end(), [](const Island* a, const Island* b) {
     return a->nodes != b->nodes ? a->nodes > b->nodes : a->first < b->first;
   });
-  std::for_each(end, islands.end(), [](Island* island) { island->kept = false; });
+  std::for_each(end, islands.end(), [](Island* island) { island->isKept = false; });
   islands.erase(end, islands.end());
 }
 
@@ -53,9 +53,9 @@ IslandReport chooseIslands(const std::vector<Island*>& islands, const IslandOpti
   std::vector<Island*> kept = islands;
   dropSmall(kept, options.minSize, voxelSize);
   if (options.largest) keepLargest(kept, options.largest);
-  report.kept = kept.size();
+  report.keptIslands = kept.size();
   for (const Island* island : islands)
-    if (!island->kept) report.droppedNodes += island->nodes;
+    if (!island->isKept) report.droppedNodes += island->nodes;
   return report;
 }
 

@@ -17,7 +17,7 @@ struct Island {
   std::uint64_t nodes = 0;
   openvdb::CoordBBox box;
   openvdb::Coord first = openvdb::Coord::max();  ///< in the order of (x, y, z)
-  bool kept = true;
+  bool isKept = true;
 
   void add(const Island& other) {
     nodes += other.nodes;

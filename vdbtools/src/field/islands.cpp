@@ -196,7 +196,7 @@ class IslandFinder {
     body(mUppers);
   }
 
-  bool isKept(std::size_t part) { return mParts[mSets.find(part)].kept; }
+  bool isKept(std::size_t part) { return mParts[mSets.find(part)].isKept; }
 
   /// @return how many parts there are
   std::size_t label(Monitor& monitor) {

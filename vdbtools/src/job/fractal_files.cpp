@@ -11,7 +11,7 @@
 namespace vdbtools {
 namespace {
 
-/// One mesh into several files.
+/// Passes one mesh to several files.
 class MeshFiles final : public MeshSink {
  public:
   void add(AtomicFile& file, const MeshWriteOptions& options) { mFiles.emplace_back(file, options); }
@@ -22,7 +22,7 @@ class MeshFiles final : public MeshSink {
   void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override {
     for (MeshFile& file : mFiles) file.addTriangles(triangles, firstPoint);
   }
-  /// @return the levels of detail of the one that has most
+  /// @return the levels of detail of the file that has most of them
   std::vector<MeshLevel> finish() {
     std::vector<MeshLevel> levels;
     for (MeshFile& file : mFiles) {
@@ -50,7 +50,7 @@ void writeGrids(const Scene& scene, const std::map<std::string, std::string>& me
   if (files.nvdbReport) *files.nvdbReport = std::move(written);
 }
 
-/// The files take a mesh in this box.
+/// Adds to @a meshes the mesh files of @a files, for a mesh that lies in @a box.
 void addMeshFiles(MeshFiles& meshes, const Scene& scene, const openvdb::BBoxd& box,
                   const std::map<std::string, std::string>& metadata, const FractalFiles& files) {
   if (!files.vdb && files.meshes.empty()) throw std::invalid_argument("no file was given for the fractal");

@@ -23,7 +23,7 @@ using openvdb::FloatGrid;
 
 namespace {
 
-/// What to try where the set is empty.
+/// Suggests what to try if the set is empty.
 std::string wayOut(const Scene& scene) {
   if (scene.options.lattice.box)
     return scene.exponent() ? "another box, or less detail" : "another box, or other constants";
@@ -32,7 +32,7 @@ std::string wayOut(const Scene& scene) {
                                      : "a larger beta, a larger alpha, or smaller voxels";
 }
 
-/// The mesh on its way to a sink: its points get their attributes, and its flat places fewer triangles.
+/// Prepares a mesh on its way to a sink: adds attributes to its points, and reduces the triangles of flat regions.
 class MeshOutput {
  public:
   MeshOutput(const Scene& scene, const PointAttributes* attributes, MeshSink& sink, const Monitor& monitor)
@@ -44,7 +44,7 @@ class MeshOutput {
 
   MeshSink& sink() { return *mSink; }
 
-  /// @param counts  become those of what has reached the sink
+  /// @param counts  set to the numbers of points and triangles that have reached the sink, if the mesh was adapted
   void finish(MeshCounts& counts, Monitor& monitor) {
     if (!mAdaptive) return;
     mAdaptive->finish(monitor);
@@ -58,7 +58,7 @@ class MeshOutput {
   std::optional<AdaptiveMeshSink> mAdaptive;
 };
 
-/// @param triangles  of the mesh that was made
+/// @param triangles  number of triangles in the mesh
 void requireSurface(const Scene& scene, const FractalResult& result, std::uint64_t triangles) {
   if (triangles > 0) return;
   if (result.crumbs) requireMoreThanCrumbs(*result.crumbs);
@@ -66,8 +66,8 @@ void requireSurface(const Scene& scene, const FractalResult& result, std::uint64
                   scene.exponent() ? Remedy::LargerBeta : Remedy::None);
 }
 
-/// Makes a mesh by @a make, which gets the sink, and measures the solid in it.
-/// @param output  takes the mesh; nullptr: it is not wanted
+/// Calls @a make with a sink for the mesh, and measures the solid in the mesh.
+/// @param output  receives the mesh; nullptr: no mesh is requested
 template <class Make>
 void meshInto(const Scene& scene, const FractalPlan& plan, MeshOutput* output, FractalResult& result,
               const Make& make) {
@@ -76,7 +76,7 @@ void meshInto(const Scene& scene, const FractalPlan& plan, MeshOutput* output, F
   if (plan.border == Border::Cap || !scene.options.lattice.box) result.solid = meter.measure();
 }
 
-/// A lower bound of the lines of the lattice along an axis that meet the set, on average over the three axes; 0 if
+/// A lower bound of the number of lattice lines along an axis that meet the set, averaged over the three axes; 0 if
 /// nothing is known.
 double leastShadow(const Scene& scene) {
   // A box may cut the set off.
@@ -86,9 +86,9 @@ double leastShadow(const Scene& scene) {
   for (auto value = exponent.cbeginValueAll(); value; ++value)
     if (*value <= scene.exponent()->shellOfNodes.lower) nodes += static_cast<double>(value.getVoxelCount());
   const double volume = nodes * std::abs(exponent.transform().voxelSize().product());
-  // What is surely inside has a volume V, and V^2 is at most the product of its three shadows (Loomis and Whitney),
-  // whose sum is therefore at least 3 V^(2/3). V is counted in nodes, of which those at its surface have a part
-  // outside.
+  // The part that is surely inside has a volume V, and V^2 is at most the product of its three shadows (Loomis and
+  // Whitney), whose sum is therefore at least 3 V^(2/3). V is counted in nodes, and those at the surface represent some
+  // volume outside.
   constexpr double kSure = 0.8;
   return kSure * elementary::cbrt(volume * volume) / (scene.voxelSize * scene.voxelSize);
 }
@@ -102,7 +102,7 @@ void requireMemoryForLevelSet(const Scene& scene) {
       "a level set of more than " + std::to_string(static_cast<std::uint64_t>(blocks)) + " blocks of 8^3 nodes");
 }
 
-/// The mesh, the level set, or both, in layers.
+/// Makes the mesh, the level set, or both, layer by layer.
 void makeStreamed(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
                   FractalResult& result, Monitor& monitor) {
   if (!plan.grids.empty()) requireMemoryForLevelSet(scene);
@@ -124,8 +124,8 @@ void makeStreamed(const Scene& scene, const FractalPlan& plan, const PointAttrib
   if (!output) result.mesh = {};
 }
 
-/// The level set, with the mesh that its distances were measured to.
-/// @param output  takes that mesh; nullptr: it is not wanted
+/// Makes the level set, and the mesh from which its distances are measured.
+/// @param output  receives that mesh; nullptr: no mesh is requested
 FloatGrid::Ptr makeLevelSet(const Scene& scene, const FractalPlan& plan, const FractalField& field, MeshOutput* output,
                             FractalResult& result, Monitor& monitor) {
   CappedMesh capped = extractCappedMesh(field, scene.source(plan.nodes), scene.options.surface.tolerance, monitor);
@@ -143,9 +143,9 @@ FloatGrid::Ptr makeLevelSet(const Scene& scene, const FractalPlan& plan, const F
   return surface;
 }
 
-/// @param output  takes the mesh; nullptr: it is not wanted
-void makeHeld(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
-              FractalResult& result, Monitor& monitor) {
+/// @param output  receives the mesh; nullptr: no mesh is requested
+void makeInMemory(const Scene& scene, const FractalPlan& plan, const PointAttributes* attributes, MeshOutput* output,
+                  FractalResult& result, Monitor& monitor) {
   const EvaluateFieldOptions evaluate = plan.grids.evaluation();
   const FieldSource source = scene.source(plan.nodes);
   const std::optional<FollowOptions>& follow = scene.options.lattice.follow;
@@ -185,7 +185,7 @@ FractalPlan planFractal(const Scene& scene, const FractalProducts& wanted) {
   // Distances are those to the mesh with its caps.
   const bool needsField = plan.grids.has(OutputGrid::LogModulus) || plan.grids.has(OutputGrid::Iterations) ||
                           (!plan.grids.empty() && plan.border == Border::Open);
-  if (needsField || dropsIslands(scene.options) || scene.options.lattice.follow) plan.way = FractalPlan::Way::Held;
+  if (needsField || dropsIslands(scene.options) || scene.options.lattice.follow) plan.way = FractalPlan::Way::InMemory;
   return plan;
 }
 
@@ -200,8 +200,8 @@ FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* 
   if (sink && offset != openvdb::Vec3d(0)) sink = &moved.emplace(offset, *sink);
   std::optional<MeshOutput> output;
   if (sink) output.emplace(scene, wanted, *sink, monitor);
-  if (plan.way == FractalPlan::Way::Held) {
-    makeHeld(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
+  if (plan.way == FractalPlan::Way::InMemory) {
+    makeInMemory(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
   } else if (output || !plan.grids.empty()) {
     makeStreamed(scene, plan, wanted, output ? &*output : nullptr, result, monitor);
   }
@@ -210,7 +210,7 @@ FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* 
 }
 
 void requireMemoryForMesh(const Scene& scene) {
-  // Flat places may need few triangles.
+  // The mesh is adapted, and flat regions may need few triangles.
   if (scene.options.surface.adaptivity > 0) return;
   // Each line of a shadow crosses the surface twice, along each of the three axes, and a point lies at each crossing.
   const double points = 2 * 3 * leastShadow(scene);

@@ -16,7 +16,8 @@
 namespace vdbtools {
 namespace {
 
-/// A text that was cut off within a line may still read well, as a number that has lost its last digits.
+/// Whether a file ends with a complete line. A line that was cut off may still be valid, such as a number without its
+/// last digits.
 bool endsWithItsLine(const std::filesystem::path& path) {
   std::ifstream file = openToRead(path);
   file.seekg(-1, std::ios::end);
@@ -37,12 +38,12 @@ bool holdsFractal(const std::filesystem::path& path, const Recipe& recipe) {
     return hasAll && recipeFromMetadata(metadata, fractalOptionTable()) == recipe;
   };
   try {
-    // The recipe stands at the beginning: it tells most other files before the rest is read.
+    // The recipe is at the beginning of a file, so most other files are recognised before the rest is read.
     if (isVdbPath(path)) return isTheRecipe(readVdbMetadata(path)) && !readVdb(path).grids.empty();
     if (lowerExtension(path) == ".obj" && !endsWithItsLine(path)) return false;
     return isTheRecipe(readMeshComments(path)) && !readMesh(path).triangles.empty();
   } catch (const std::exception&) {
-    return false;  // broken, or not ours
+    return false;  // broken, or not made by this program
   }
 }
 

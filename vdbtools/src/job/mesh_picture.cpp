@@ -24,7 +24,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::CoordBBox;
 
-/// The mesh as it comes back from a PLY: the file turns it, rounds its places and its colours, and welds nothing.
+/// The mesh as if it were read from its PLY: the file rotates it, rounds its positions and colours, and welds nothing.
 Mesh meshOfFile(const Scene& scene, const OutputOptions& output, Monitor& monitor) {
   requireMemoryForMesh(scene);
   const FractalPlan plan = planFractal(scene, {.mesh = true});
@@ -42,7 +42,7 @@ Mesh meshOfFile(const Scene& scene, const OutputOptions& output, Monitor& monito
   return readPly("mesh.ply", file.view());
 }
 
-/// Takes a mesh and forgets it.
+/// Receives a mesh and discards it.
 class NoMesh final : public MeshSink {
  public:
   void addPoints(const PointBatch&) override {}
@@ -83,7 +83,7 @@ double estimatedMeshSeconds(const Scene& scene, Monitor& monitor) {
   double seconds = 0;
   std::uint64_t made = 0, index = 0;
   const std::uint64_t step = std::max<std::uint64_t>(1, blocks / kSamples);
-  // The active values come in an order of their own, in which neighbours are near each other.
+  // Active values are visited in an order in which neighbours are near each other.
   for (auto block = plan.blocks->cbeginValueOn(); block; ++block) {
     const std::uint64_t first = index, count = block.getVoxelCount();
     index += count;
@@ -105,7 +105,7 @@ double estimatedMeshSeconds(const Scene& scene, Monitor& monitor) {
       streamMesh(part, scene.source(part), {.tolerance = scene.options.surface.tolerance, .border = Border::Open}, none,
                  quiet);
     } catch (const DataError&) {
-      // Nothing but crumbs there, which takes time too.
+      // The sample contains nothing but crumbs, which take time, too.
     }
     seconds += cpuSeconds() - start;
   }

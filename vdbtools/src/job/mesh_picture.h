@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_picture.h
-/// What the mesh of a scene looks like, without a file between the two.
+/// Pictures of the mesh of a scene, without a file in between.
 #pragma once
 
 #include "vdbtools/picture/image.h"
@@ -17,18 +17,20 @@ namespace vdbtools {
 /// @throw Interrupted
 Image meshPicture(const Scene& scene, const ViewOptions& view, const Look& look, Monitor& monitor);
 
-/// The same mesh with a light and a camera of its own, in the target's coordinates, whatever axis points up in files.
-/// A recipe in which the colours are clay leaves the colour to the material.
+/// Renders the same mesh with the light and the camera of @a picture, in the target's coordinates, whatever axis points
+/// up in files. If the recipe colours by clay, the material determines the colour.
 /// @throw as above
 ShadedImage meshPicture(const Scene& scene, const PreviewOptions& picture, Monitor& monitor);
 
-/// Whether pictures of a mesh show the colours of its points: those of clay leave the colour to the material.
+/// Whether pictures of a mesh show the colours of its points. Points coloured by clay get the colour of the material
+/// instead.
 bool showsOwnColours(const OutputOptions& output);
 
-/// A view that pictures of meshes have, too. @throw std::invalid_argument
+/// Checks that pictures of meshes support a view. @throw std::invalid_argument
 void requireMeshView(const ViewOptions& view);
 
-/// What the field and the mesh of a scene will take, about: CPU seconds of all threads. Makes a small part of it.
+/// Estimates the CPU seconds of all threads that the field and the mesh of a scene will take, by making a small part of
+/// them.
 double estimatedMeshSeconds(const Scene& scene, Monitor& monitor);
 
 }  // namespace vdbtools

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file output_grids.h
-/// The grids of a fractal, made of its field and its level set.
+/// The grids of a fractal, made from its field and its level set.
 #pragma once
 
 #include "job/point_attributes.h"
@@ -13,10 +13,10 @@
 namespace vdbtools {
 
 struct GridSources {
-  openvdb::FloatGrid::Ptr surface;              ///< the level set, where the plan needs it
-  const FractalField* field = nullptr;          ///< with all nodes and iterations, where the plan has grids of it
-  const FieldSource* source = nullptr;          ///< where the plan has the grid "versor"
-  const PointAttributes* attributes = nullptr;  ///< where the plan has them
+  openvdb::FloatGrid::Ptr surface;              ///< the level set, if the plan needs it
+  const FractalField* field = nullptr;          ///< with all nodes and iterations, if the plan has grids of it
+  const FieldSource* source = nullptr;          ///< if the plan has the grid "versor"
+  const PointAttributes* attributes = nullptr;  ///< if the plan has attributes
 };
 
 /// @throw Interrupted

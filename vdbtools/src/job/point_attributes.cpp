@@ -28,7 +28,7 @@ using openvdb::Vec3s;
 using openvdb::Vec3SGrid;
 using openvdb::Vec3STree;
 
-/// The place of a column in the rows of a batch.
+/// The position of a column in the rows of a batch.
 struct Cells {
   float* first;        ///< in the first row
   std::size_t stride;  ///< floats from row to row
@@ -48,7 +48,7 @@ void putNumbers(std::span<const double> values, const Cells& cells) {
 
 }  // namespace
 
-/// Some points, and what several columns need of them.
+/// A batch of points, and the values that several columns need.
 struct PointAttributes::Batch {
   std::span<const Vec3d> world;
   std::vector<julia::Point> points{};    ///< fractal space
@@ -61,7 +61,7 @@ struct PointAttributes::Column {
   std::function<void(const Batch&, const Cells&)> fill;
 };
 
-/// The target's surface. It is searched in units of which the longest side has a hundred, about its middle.
+/// The target's surface. It is searched in units of a hundredth of its longest side, relative to its middle.
 struct PointAttributes::Transfer {
   static constexpr double kLength = 100;
 
@@ -92,7 +92,8 @@ struct PointAttributes::Transfer {
     return result;
   }
 
-  /// The values at the corners of a point's triangle, weighted. A value that all corners share stays what it is.
+  /// The weighted mean of the values at the corners of a point's triangle. A value that all corners share stays
+  /// unchanged.
   template <class Corner>
   static double interpolated(const SurfacePoint& point, const Corner& corner) {
     const double first = corner(0);

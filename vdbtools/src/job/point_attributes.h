@@ -18,18 +18,18 @@ namespace vdbtools {
 
 class PointAttributes {
  public:
-  /// @param scene   outlives this
-  /// @param origin  of the points' coordinates, world units, as FieldPlan::origin
+  /// @param scene   must outlive this
+  /// @param origin  of the points' coordinates, world units, as in FieldPlan::origin
   /// @throw as sceneColouring()
   explicit PointAttributes(const Scene& scene, const openvdb::Vec3d& origin = openvdb::Vec3d(0));
   ~PointAttributes();
 
-  /// As meshColumns() has them.
+  /// The columns of meshColumns().
   const std::vector<VertexColumn>& columns() const { return mColumns; }
   std::size_t rowLength() const { return mRowLength; }
 
-  /// Sets a row for each point, world units from the origin. A row depends on its point alone. May be called in many
-  /// threads at once.
+  /// Sets a row for each point, world units from the origin. A row depends on its point alone. Many threads may call it
+  /// at once.
   void evaluate(std::span<const openvdb::Vec3d> points, std::span<float> rows) const;
 
   /// The same in threads. @throw Interrupted
@@ -44,15 +44,15 @@ class PointAttributes {
   openvdb::Vec3d mOrigin;
   std::vector<VertexColumn> mColumns;
   std::size_t mRowLength;
-  std::vector<std::unique_ptr<const Column>> mFillers;  ///< one a column
-  std::unique_ptr<const Transfer> mTransfer;            ///< if anything is transferred
+  std::vector<std::unique_ptr<const Column>> mFillers;  ///< one for each column
+  std::unique_ptr<const Transfer> mTransfer;            ///< if attributes are transferred
   bool mNeedsIterations = false;
 };
 
 /// Gives each point its row on the way to another sink.
 class AttributedSink final : public MeshSink {
  public:
-  /// All of them outlive this.
+  /// All of them must outlive this.
   AttributedSink(const PointAttributes& attributes, MeshSink& next, const Monitor& monitor)
       : mAttributes(attributes), mNext(next), mMonitor(monitor) {}
 

@@ -18,13 +18,13 @@ namespace {
 
 constexpr const char* kGrid = "phi";
 
-/// What a mesh and a VDB as the source have in common.
+/// Adds the metadata that meshes and VDBs as the source have in common.
 void describe(const SdfOptions& options, const openvdb::BBoxd& box, SdfResult& result) {
   const std::optional<LengthUnit> unit =
       options.mesh ? options.axes.unit : agreedUnit(options.axes.unit, unitOfFile(options.input), options.input);
   result.grid->setName(kGrid);
   result.metadata["julia_source_sha256"] = options.mesh ? sha256OfMesh(*options.mesh) : sha256OfFile(options.input);
-  // The program reads it back with the grid, and so in the axes of the file.
+  // The program reads the box together with the grid, so it is in the axes of the file.
   result.metadata[kTargetBox] = boxText(UpTurn(options.axes.target, options.axes.ofVdb())(box));
   result.metadata.merge(distanceGridMetadata(options.gridNames, kGrid));
   if (unit) result.metadata[kLengthUnit] = nameOf(*unit);

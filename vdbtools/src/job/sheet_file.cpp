@@ -26,7 +26,7 @@ std::pair<std::string, std::string> partsOf(const std::string& name) {
   return {name.substr(0, mark), name.substr(mark + 1)};
 }
 
-/// The content of a contact sheet; a value of another kind if it is none.
+/// The JSON of a contact sheet; a value of another kind if the file is not one.
 Json parsed(const std::filesystem::path& path) {
   Json json = parsedJson<Json>(readWholeFile(path));
   const bool ours = json.is_object() && json.value("juliavdb", Json()) == kKind;
@@ -54,7 +54,7 @@ std::string encodeSheet(const Sheet& sheet) {
   const Json json{{"juliavdb", kKind},  {"version", kVersion},      {"program", JULIAVDB_VERSION},
                   {"vary", vary},       {"rows", sheet.rows},       {"columns", sheet.columns},
                   {"view", sheet.view}, {"cells", std::move(cells)}};
-  // Names of files need not be UTF-8.
+  // Names of files may contain bytes that are not UTF-8.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

@@ -35,21 +35,21 @@ namespace {
 constexpr const char* kCellSize = "256x256";
 constexpr const char* kPreview = "preview";
 constexpr const char* kMesh = "mesh";
-/// Under these, the PNG of a finished cell holds what its caption and SheetCell::finer say.
+/// The keys under which the PNG of a finished cell stores its caption and SheetCell::finer.
 constexpr const char* kFinerCaption = "finer-caption";
 constexpr const char* kFiner = "finer";
 
 /// How a cell is shown.
 struct CellView {
   FieldPicture field;               ///< with the light
-  std::optional<ViewOptions> mesh;  ///< the mesh is shown instead
-  Recipe recorded{};                ///< complete; what a finished cell is found by
+  std::optional<ViewOptions> mesh;  ///< set if the mesh is shown instead
+  Recipe recorded{};                ///< complete; identifies a finished cell
 
   int width() const { return field.render.width; }
   int height() const { return field.render.height; }
 };
 
-/// A cell, what it failed of, and its picture.
+/// A cell, its failure if there is one, and its picture.
 struct PlannedCell {
   SheetCell cell;
   CellView view;
@@ -60,11 +60,11 @@ struct PlannedCell {
 struct Plan {
   Sheet sheet;  ///< without its cells
   std::vector<PlannedCell> cells;
-  CellView view;  ///< of a cell, but for what varies
+  CellView view;  ///< of every cell, except for the varied options
 };
 
-/// Runs the work on a cell. What goes wrong with its options, its set and its files is the cell's failure; other errors
-/// are the whole sheet's.
+/// Runs the work on a cell. Errors in its options, its set and its files are stored as the failure of the cell; other
+/// errors end the whole sheet.
 template <class Work>
 void guarded(PlannedCell& planned, const Work& work) {
   const auto fail = [&](const std::exception& error) {
@@ -82,10 +82,11 @@ void guarded(PlannedCell& planned, const Work& work) {
   }
 }
 
-/// A page is at most so many times wider than high, or higher than wide, wherever its cells can be laid out otherwise.
+/// The maximum ratio of a page's sides, if its cells can be laid out in another way.
 constexpr std::int64_t kLongestPage = 3;
 
-/// Of pages as wide as high those columns, or a few more, that leave the fewest places empty.
+/// The number of columns of a page that is about square: that number, or a few more, whichever leaves the fewest places
+/// empty.
 int columnsFor(int cells, int width, int height) {
   constexpr int kMore = 2;
   const auto rowsOf = [&](int columns) { return (cells + columns - 1) / columns; };
@@ -99,14 +100,14 @@ int columnsFor(int cells, int width, int height) {
   return best;
 }
 
-/// How many rows of the page each value of the first of two varied options takes.
+/// The number of rows that each value of the first of two varied options takes.
 int rowsOfEach(const Sheet& sheet) {
   if (sheet.varied.size() == 1) return 1;
   const auto count = static_cast<int>(sheet.varied[1].values.size());
   return (count + sheet.columns - 1) / sheet.columns;
 }
 
-/// Where a cell stands on the page, row by row.
+/// The place of a cell on the page, counted row by row.
 int placeOf(const Sheet& sheet, int cell) {
   if (sheet.varied.size() == 1) return cell;
   const auto count = static_cast<int>(sheet.varied[1].values.size());
@@ -114,8 +115,8 @@ int placeOf(const Sheet& sheet, int cell) {
   return sheet.columns >= count ? cell : cell / count * rowsOfEach(sheet) * sheet.columns + cell % count;
 }
 
-/// Two options: each value of the first has a row and each of the second a column, unless that were a strip. Where it
-/// were too wide, each value of the first has several rows; where it were too high, several of them share a row.
+/// Lays out two options: each value of the first has a row, and each value of the second a column. If the page would be
+/// too wide, each value of the first has several rows; if it would be too high, several of them share a row.
 void layOutPairs(int first, int second, int width, int height, Sheet& sheet) {
   const auto isStrip = [&](std::int64_t one, int size, std::int64_t other, int otherSize) {
     return one * size > kLongestPage * other * otherSize;
@@ -174,7 +175,7 @@ std::vector<Recipe> combinations(const std::vector<VariedOption>& varied) {
   return cells;
 }
 
-/// Complete, without the hashes of its files.
+/// The recipe of a cell, complete except for the hashes of its files.
 Recipe cellRecipe(const SheetOptions& options, const Recipe& varied, const OptionTable& table) {
   Recipe given = options.given;
   for (const auto& [name, value] : varied)
@@ -182,7 +183,7 @@ Recipe cellRecipe(const SheetOptions& options, const Recipe& varied, const Optio
   return completeRecipe(overridden(options.base, given, table), table);
 }
 
-/// @param varied  of the view
+/// @param varied  the varied options of the view
 CellView parseView(const SheetOptions& options, const Recipe& varied) {
   const OptionTable table(sheetViewOptionSpecs());
   Recipe given = options.view;
@@ -206,7 +207,7 @@ CellView parseView(const SheetOptions& options, const Recipe& varied) {
     result.mesh = parseViewOptions(RecipeReader(view, table));
     requireMeshView(*result.mesh);
   } else {
-    view.erase(kPreview);  // pictures of the field have no name for that
+    view.erase(kPreview);  // not an option of pictures of the field
   }
   result.recorded = completeView(std::move(view), OptionTable(pictureOptionSpecs(kCellSize, !isMesh)));
   return result;
@@ -240,7 +241,7 @@ Plan plan(const SheetOptions& options) {
   return result;
 }
 
-/// What a finished cell is called.
+/// The file name of a finished cell.
 std::string fileNameOf(const PlannedCell& planned) {
   constexpr std::size_t kDigits = 32;  // 128 bits
   const nlohmann::json all{
@@ -248,13 +249,13 @@ std::string fileNameOf(const PlannedCell& planned) {
   return sha256Hex(all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)).substr(0, kDigits) + ".png";
 }
 
-/// "alpha 40"; of a file only its name.
+/// "alpha 40"; for a file, only its name without folders.
 std::string captionOf(const std::string& option, const std::string& value) {
   const std::size_t slash = value.find(':') == std::string::npos ? value.rfind('/') : std::string::npos;
   return option + " " + (slash == std::string::npos ? value : value.substr(slash + 1));
 }
 
-/// What stands in the caption of a cell; empty where there is nothing to say.
+/// The line in a cell's caption about what is finer than its voxels; empty if there is nothing to report.
 std::string finerCaption(const Scene& scene) {
   if (!scene.features()) return {};
   const VoxelAdvice advice = adviseVoxels(*scene.features(), scene.voxelSize);
@@ -263,7 +264,7 @@ std::string finerCaption(const Scene& scene) {
   return advice.coreShare > kCoreWorthSaying ? "core thinner than 2 voxels" : "";
 }
 
-/// With what is finer than the voxels as texts in the file.
+/// The PNG of a cell, which contains what is finer than the voxels as texts.
 std::string fieldPng(const Scene& scene, const FieldPicture& picture, Monitor& monitor) {
   const openvdb::BBoxd region = pictureRegion(scene);
   const FieldImage image =
@@ -277,23 +278,23 @@ std::string fieldPng(const Scene& scene, const FieldPicture& picture, Monitor& m
   return png;
 }
 
-/// Whether so many meshes like this one may take @a seconds, so that it is worth finding out.
+/// Whether this number of meshes like this one may take @a seconds, so that a closer estimate is worthwhile.
 bool mayTakeLong(const Scene& scene, double meshes, double seconds) {
-  // The slowest maps need that long for a node, seconds.
+  // Seconds that the slowest maps take per node.
   constexpr double kSlowest = 2e-5, kNodesOfBlock = 512;
   return meshes * kNodesOfBlock * static_cast<double>(planScene(scene).blocks->activeVoxelCount()) * kSlowest >=
          seconds;
 }
 
-/// The same of pictures of the field.
+/// The same for pictures of the field.
 bool mayTakeLong(const FieldRenderOptions& picture, double pictures, double seconds) {
-  // Few maps need that long for a ray, seconds; but short steps have no bound.
+  // Seconds that only few maps exceed per ray; with short steps there is no bound.
   constexpr double kSlowest = 1e-3;
   if (picture.clarity.alpha) return true;
   return pictures * picture.samples * picture.width * picture.height * kSlowest >= seconds;
 }
 
-/// Tells that so many cells like this one take long, if they do.
+/// Reports that this number of cells like this one takes long, if it does.
 void tellLongWork(const Scene& scene, const CellView& view, std::size_t cells, const LongWork& longWork,
                   Monitor& monitor) {
   if (!longWork.tell) return;
@@ -328,7 +329,7 @@ class CellFolder {
       throw CreateError("'" + folder.string() + "' is in the way of the folder for finished cells; remove it");
   }
 
-  /// Empty if there is none.
+  /// Returns an empty text if there is none.
   std::string find(const std::string& name) const {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(mFolder / name, ignored)) return {};
@@ -392,7 +393,7 @@ InputFiles inputsOf(const SheetOptions& options) {
     try {
       inputs.add(inputsOf(parseFractalOptions(recipe)));
     } catch (const std::invalid_argument&) {
-      // The cell will show why it cannot be made.
+      // The cell will show the reason for the failure.
     }
   }
   return inputs;
@@ -416,14 +417,14 @@ SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& fo
                          .cellHeight = view.height(),
                          .captionLines = static_cast<int>(options.varied.size()) + (saysFiner ? 1 : 0)});
   };
-  // A page that cannot be made is refused before the work.
+  // A page that cannot be made is refused before the work begins.
   makePage(!view.mesh);
   ContactSheet single({.cellWidth = view.width(), .cellHeight = view.height()});
   const CellFolder finished(folder);
   SceneMaker scenes;
   std::vector<PlannedCell*> missing;
   for (PlannedCell& cell : planned.cells) {
-    // Machines with other memory are to make the same meshes of the recipe.
+    // Machines with more or less memory must make the same mesh from the recipe.
     if (view.mesh && !cell.failure && hasAutomaticResolution(cell.cell.recipe))
       guarded(cell, [&] {
         Recipe& recipe = cell.cell.recipe;
@@ -432,7 +433,7 @@ SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& fo
     if (cell.failure) continue;
     cell.png = finished.find(fileNameOf(cell));
     if (single.setPicture(0, cell.png)) {
-      ++page.kept;
+      ++page.reusedCells;
     } else {
       cell.png.clear();
       missing.push_back(&cell);

@@ -47,9 +47,9 @@ class CrossSettings final : public MapSettings {
     return julia::triplexBound(square, orbit().maxIterations, orbit().escapeRadius);
   }
 
-  /// By irrational numbers, so that no node of the lattice lies on the planes of symmetry. A and A' are not defined on
-  /// one, which counts as outside (cross_map.h), and others hold sheets of the set: neither has volume, and a ray meets
-  /// either by chance only, but whole planes of nodes would show a cut or a disc.
+  /// Irrational numbers, so that no node of the lattice lies on the planes of symmetry. On such a plane, A and A' are
+  /// not defined, which counts as outside (cross_map.h), and other pairs have sheets of the set. Neither has a volume,
+  /// and a ray meets either only by chance, but whole planes of nodes would show a cut or a disc.
   openvdb::Vec3d latticeShift() const override { return {0.6180339887498949, 0.4142135623730951, 0.2360679774997897}; }
 
   std::shared_ptr<const MapInstance> instance(const MapContext&) const override {

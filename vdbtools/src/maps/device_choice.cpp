@@ -17,7 +17,7 @@ namespace {
 
 using Devices = std::vector<std::shared_ptr<const julia::Device>>;
 
-/// All devices in one line, each with why it is not used.
+/// All devices in one line, each with the reason why it is not used.
 std::string listed(const Devices& devices) {
   std::string text;
   for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -67,7 +67,7 @@ std::string chooseDevice(const std::string& choice, const julia::DeviceNotice& n
   }
   if (devices.empty()) throw DeviceError("no device of OpenCL can be used: " + refusal);
   if (!isNumbered) {
-    // A graphics processor if there is one.
+    // Prefer a graphics processor.
     const std::optional<std::size_t> gpu = firstUsable(devices, true);
     const std::optional<std::size_t> first = gpu ? gpu : firstUsable(devices, false);
     if (first) return use(*first);

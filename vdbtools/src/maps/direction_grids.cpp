@@ -84,7 +84,7 @@ bool isZero(const DirectionGrids& grids, const Coord& node) {
                      [&](const FloatGrid::Ptr& component) { return component->tree().getValue(node) == 0; });
 }
 
-/// Whether it is a corner of a cell whose corners are all 0.
+/// Whether a node begins a cell whose corners are all 0.
 bool beginsZeroCell(const DirectionGrids& grids, const Coord& node) {
   for (int x = 0; x < 2; ++x)
     for (int y = 0; y < 2; ++y)
@@ -113,7 +113,7 @@ void requireNoZeroCells(const DirectionGrids& grids, const CoordBBox& region, co
   }
 }
 
-/// Values on a box of nodes, of which some are known.
+/// Values on a box of nodes, some of which are known.
 struct Level {
   Coord size;
   std::vector<float> values;  ///< the components of a node side by side
@@ -131,7 +131,8 @@ void forEachSlice(const Level& level, const Body& body) {
   tbb::parallel_for(0, level.size[0], body);
 }
 
-/// Half as many nodes along each axis; each has the mean of those of its eight that are known.
+/// Halves the number of nodes along each axis. Each node is the mean of the known ones among the eight that it
+/// replaces.
 Level coarser(const Level& fine, std::size_t components) {
   Level coarse;
   for (int axis = 0; axis < 3; ++axis) coarse.size[axis] = (fine.size[axis] + 1) / 2;
@@ -161,7 +162,7 @@ Level coarser(const Level& fine, std::size_t components) {
   return coarse;
 }
 
-/// Nodes that are not known get what lies there between those of the coarser level.
+/// Sets nodes that are not known to the value interpolated from the coarser level.
 void fill(Level& fine, const Level& coarse, std::size_t components) {
   forEachSlice(fine, [&](int x) {
     struct Place {
@@ -197,7 +198,7 @@ void fill(Level& fine, const Level& coarse, std::size_t components) {
   });
 }
 
-/// The nodes of a region, those that have no direction filled from the others. @return whether there are others
+/// Fills in the nodes of a region that have no direction from those that have one. @return whether any have one
 bool fillRegion(DirectionGrids& grids, const CoordBBox& region) {
   const std::size_t components = grids.components.size();
   constexpr double kLevels = 8. / 7;

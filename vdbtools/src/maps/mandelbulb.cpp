@@ -47,7 +47,7 @@ class MandelbulbSettings final : public MapSettings {
   julia::MandelbulbOptions mOptions;
 };
 
-/// Three numbers, and a fourth if it is 0: a quaternion that lies in space.
+/// Three numbers, or four if the fourth is 0: a quaternion that lies in space.
 julia::Point parsePoint(const std::string& text) {
   const bool padded = std::count(text.begin(), text.end(), ',') == 3 && parseNumbers("c", text, 4)[3] == 0;
   const openvdb::Vec3d c = parseVector("c", padded ? text.substr(0, text.rfind(',')) : text);

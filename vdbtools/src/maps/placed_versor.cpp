@@ -28,7 +28,7 @@ using julia::DirectionFunction;
 
 using openvdb::Vec3d;
 
-/// Of a function of both arithmetics that makes it. @param Maker  called as `maker.operator()<Real>()`
+/// A field that a function makes for either arithmetic. @param Maker  called as `maker.operator()<Real>()`
 template <class Maker>
 class MadeField final : public SharedField {
  public:
@@ -59,7 +59,7 @@ std::vector<SharedFieldPtr> sharedFields(const DirectionGrids& grids, const Frac
 using FormulaVariable =
     std::function<void(std::span<const julia::Quaternion<double>> points, std::span<double> values)>;
 
-/// A coordinate of the place; nothing if the name is another one.
+/// A coordinate of the point; nothing if the variable has another name.
 FormulaVariable coordinate(const std::string& name, const julia::Embedding& embedding, const FractalSpace& space,
                            const openvdb::BBoxd& box) {
   if (name == "w")
@@ -96,7 +96,7 @@ FormulaVariable gridVariable(std::shared_ptr<const julia::ScalarField<double>> f
   };
 }
 
-/// Components as a quaternion: of three, those that are not dropped.
+/// Turns components into a quaternion: three are those that are not dropped.
 julia::Quaternion<double> directionFrom(std::span<const double> components, const julia::Embedding& embedding) {
   if (components.size() == 4) return {components[0], components[1], components[2], components[3]};
   return julia::Embedding{0, embedding.dropped}.quaternion<double>({components[0], components[1], components[2]});
@@ -116,7 +116,7 @@ DirectionFunction formulaFunction(const VersorFormula& formula, const julia::Emb
     }
     variables.push_back(std::move(variable));
   }
-  // Parsers have state: each thread has its own.
+  // Parsers have state, so each thread has its own.
   const auto parsers = std::make_shared<tbb::enumerable_thread_specific<FormulaParsers>>([formula] {
     FormulaParsers made;
     for (const std::string& component : formula.components) made.emplace_back(component, formula.names);
@@ -161,7 +161,7 @@ bool hasDirection(const julia::Quaternion<double>& q) {
 /// Refuses a formula that has no direction in a whole cell of a lattice about the target.
 void requireDirections(const VersorSource& source, const DirectionFunction& function, const julia::Embedding& embedding,
                        const MapContext& context) {
-  constexpr double kSide = 50, kMargin = 0.1;  // cells, and what is around, along the longest side
+  constexpr double kSide = 50, kMargin = 0.1;  // cells along the longest side, and the margin around it
   openvdb::BBoxd box = context.target->box;
   const double longest = longestSide(box);
   box.expand(kMargin * longest);
@@ -198,7 +198,7 @@ void requireDirections(const VersorSource& source, const DirectionFunction& func
       }
 }
 
-/// What a layer's source has in files.
+/// The parts of a layer that come from files.
 struct LayerFiles {
   const std::optional<RationalFile>& roots;
   const std::optional<DirectionGrids>& directions;

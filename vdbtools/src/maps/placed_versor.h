@@ -20,7 +20,8 @@
 
 namespace vdbtools {
 
-/// A field as evaluators read it, each arithmetic's made when it is first needed. Shared by the evaluators of a scene.
+/// A field in the form that evaluators read, made for each arithmetic when it is first needed. The evaluators of a
+/// scene share it.
 class SharedField {
  public:
   template <class Real>
@@ -48,17 +49,17 @@ using SharedFieldPtr = std::shared_ptr<const SharedField>;
 SharedFieldPtr sharedField(const ExponentGrid& grid);
 SharedFieldPtr sharedField(const ControlGrid& grid);
 
-/// One versor of the settings.
+/// One layer of the texture.
 struct PlacedLayer {
   VersorSource source;
-  PlacedRoots roots{};  ///< of roots that are no texture of waves
+  PlacedRoots roots{};  ///< if the layer is made from roots
   std::optional<julia::WaveTexture> waves{};
-  SharedFieldPtr octave{};                   ///< of waves
+  SharedFieldPtr octave{};                   ///< if the layer is made from waves
   std::vector<SharedFieldPtr> directions{};  ///< the components of a field
-  julia::DirectionFunction function{};       ///< of a formula or of the program
+  julia::DirectionFunction function{};       ///< a formula, or a function of the calling program
 };
 
-/// The parts that do not depend on the seed of the random roots are made once.
+/// The versor of the settings. The parts of it that do not depend on the seed of the random roots are made once.
 class PlacedVersor {
  public:
   /// @throw DataError  a formula or a field that has no direction in a part of the target
@@ -68,9 +69,9 @@ class PlacedVersor {
   template <class Real>
   std::shared_ptr<const julia::VersorField<Real>> field() const;
 
-  /// Whether floats serve as well as doubles.
+  /// Whether floats are as accurate as doubles.
   bool floatsServe(const julia::OrbitOptions& orbit) const;
-  /// Of a versor that is roots alone.
+  /// The roots of a versor that consists of roots alone; otherwise nullptr.
   const julia::Rational* roots() const;
   std::map<std::string, std::string> metadata() const;
   std::optional<std::uint64_t> seed() const;

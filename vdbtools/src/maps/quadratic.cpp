@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // q^2 + c: the quaternion Julia sets, and their Mandelbrot set.
 //
-// The two stand behind different seams. The Mandelbrot set carries each orbit's own c from step to step, which only
-// CartesianMap can do. The Julia set goes through the log-polar form of Map: its iterates are e^l u, rounded otherwise
-// than q^2 + c, so that another seam would change results that recipes promise byte for byte; and docs/precision.md
-// measured its 32-bit floats there.
+// The two use different interfaces. The Mandelbrot set carries the c of each orbit from step to step, which only
+// CartesianMap can do. The Julia set goes through the log-polar form of Map: its iterates are e^l u, which are rounded
+// differently from q^2 + c. Changing its interface would change results that recipes promise byte for byte, and
+// docs/precision.md has measured 32-bit floats for this form.
 #include "maps/built_in_maps.h"
 #include "vdbtools/maps/map_options.h"
 
@@ -52,7 +52,7 @@ class MandelbrotInstance final : public MapInstance {
 
 class QuadraticSettings final : public MapSettings {
  public:
-  /// @param c  none: the point itself
+  /// @param c  empty: the starting point itself
   QuadraticSettings(const julia::OrbitOptions& orbit, const julia::Embedding& embedding,
                     const std::optional<Quaternion>& c)
       : MapSettings(orbit, embedding), mC(c) {}

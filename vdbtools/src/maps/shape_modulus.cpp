@@ -47,7 +47,7 @@ class ShapeModulusInstance final : public MapInstance {
 
  private:
   julia::Embedding mEmbedding;
-  MapFiles mFiles;  ///< with what random roots need of them
+  MapFiles mFiles;  ///< including the files that random roots need
   Target mTarget;
   FractalSpace mSpace, mUnmovedSpace;
   SharedFieldPtr mExponent;

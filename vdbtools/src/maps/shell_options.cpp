@@ -25,7 +25,7 @@ std::function<std::optional<std::string>(const Recipe&)> defaultWhere(bool ifNum
   };
 }
 
-/// A control that is a share. @throw std::invalid_argument  a number that is none
+/// A default for some recipes only. @param ifNumeric  true: for recipes that give alpha or beta; false: for all others
 std::shared_ptr<const ControlSource> parseShare(const RecipeReader& reader, const std::string& option) {
   if (const std::optional<double> value = numberFromText(reader.text(option)); value && !(*value >= 0 && *value <= 1))
     reader.refuse(option, "from 0 to 1, or a ramp, a grid, a painted attribute");

@@ -14,18 +14,20 @@ namespace {
 
 using julia::Point;
 
-/// Bands across a direction, which is as long as they are narrow: their versor turns about an imaginary axis.
+/// Bands that cross a direction. The longer the vector is, the narrower they are; their versor turns about an imaginary
+/// axis.
 WaveStrand bands(const Point& across, const Point& turn, int power = 1) {
   return {.power = power, .frequency = across, .turn = turn};
 }
 
-/// Waves in all directions, whose sum has roots and poles everywhere. @param stretch  of their frequencies along the
-/// axes
+/// Waves in all directions, whose sum has roots and poles everywhere. @param stretch  factors of their frequencies
+/// along the axes
 WaveStrand field(int count, std::uint64_t stream, const Point& stretch = {1, 1, 1}, double along = 1, int power = 1) {
   return {.count = count, .power = power, .frequency = stretch, .fourth = along, .stream = stream};
 }
 
-// Found by looking at many. Rings about X take one root however many they are, those about other axes two roots a ring.
+// These were chosen by looking at many. Rings about X take one root, however many they are; rings about other axes take
+// two roots each.
 std::vector<Texture> allTextures() {
   constexpr Point kI{1, 0, 0}, kJ{0, 1, 0}, kK{0, 0, 1};
   return {
@@ -97,7 +99,7 @@ class StrandRandom {
       if (square > 0.01 && square <= 1) return q * (1 / std::sqrt(square));
     }
   }
-  /// One at a right angle to @a q, of length 1.
+  /// A quaternion of length 1 at a right angle to @a q.
   julia::Quaternion<double> across(const julia::Quaternion<double>& q) {
     for (;;) {
       const julia::Quaternion<double> p = direction();

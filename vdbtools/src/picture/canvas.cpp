@@ -203,7 +203,7 @@ struct Canvas::State {
     CanvasPoint start;
     cairo_get_current_point(cairo, &start.x, &start.y);
     const Glyphs glyphs(cairo_get_scaled_font(cairo), utf8, start.x, start.y);
-    // Glyphs stand on whole pixels: Cairo 1.16 put them there, and later releases put them where they are told.
+    // Glyphs are placed on whole pixels, because Cairo 1.16 always does so, while later releases accept any position.
     for (cairo_glyph_t& glyph : glyphs.all()) {
       cairo_user_to_device(cairo, &glyph.x, &glyph.y);
       glyph.x = std::floor(glyph.x + 0.5);
@@ -213,7 +213,7 @@ struct Canvas::State {
     cairo_show_glyphs(cairo, glyphs.first.get(), glyphs.count);
   }
 
-  /// The outlines are those of the font, whatever the size: they are whole numbers, which no library rounds.
+  /// The outlines are those of the font at its own size: they are whole numbers, which no library rounds.
   void showInSvg(std::string_view utf8, const CanvasPoint& origin, const TextStyle& style) {
     cairo_scaled_font_t* const font = cairo_get_scaled_font(context.get());
     const Glyphs glyphs(font, utf8, 0, 0);
@@ -291,8 +291,8 @@ void Canvas::line(std::span<const CanvasPoint> points, const LineStyle& style) {
   cairo_t* const context = mState->context.get();
   mState->setColour(style.colour);
   cairo_set_line_width(context, style.width);
-  // Each segment has round ends of its own, which is what round corners are; Cairo's corners differ from release to
-  // release. It is one path, so what overlaps is drawn once.
+  // Each segment has round ends of its own, which together make round corners; Cairo's own corners differ from release
+  // to release. All segments form one path, so overlaps are drawn once.
   for (std::size_t i = 0; i + 1 < std::max<std::size_t>(points.size(), 2); ++i) {
     const CanvasPoint &from = points[i], &to = points[std::min(i + 1, points.size() - 1)];
     cairo_move_to(context, from.x, from.y);
@@ -305,7 +305,8 @@ void Canvas::text(std::string_view utf8, const CanvasPoint& at, const TextStyle&
   cairo_t* const context = mState->context.get();
   const double length = textWidth(utf8, style);
   const double back = style.align == TextAlign::Left ? 0 : style.align == TextAlign::Right ? length : length / 2;
-  if (cairo_status(context) != CAIRO_STATUS_SUCCESS) return;  // not UTF-8, say; encode() and pixels() tell
+  if (cairo_status(context) != CAIRO_STATUS_SUCCESS)
+    return;  // for example because the text is not UTF-8; encode() and pixels() report it
   if (mState->svg)
     return mState->showInSvg(utf8, style.upwards ? CanvasPoint{at.x, at.y + back} : CanvasPoint{at.x - back, at.y},
                              style);

@@ -24,7 +24,7 @@ struct CodedPicture {
   int bits = 8;
   const void* codes = nullptr;           ///< bytes for 8 bits, std::uint16_t for 16
   const char* format = "png";            ///< or "tif"
-  double resolution = 0;                 ///< pixels a unit; 0: it is not said
+  double resolution = 0;                 ///< pixels per unit; 0: not recorded
   const char* resolutionUnit = nullptr;  ///< "m", "cm" or "none"
   const char* description = nullptr;     ///< nullptr: none
   int threads = 1;

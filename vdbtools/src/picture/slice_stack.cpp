@@ -27,7 +27,7 @@ SliceCodes emptyCodes(const SlicePlane& plane, std::size_t values, int channels,
 
 constexpr int largestCode(int bits) { return (1 << bits) - 1; }
 
-/// @param share  0 to 1, beyond it clamped
+/// @param share  clamped to 0 to 1
 std::uint16_t codeOf(double share, int bits) {
   if (std::isnan(share)) return 0;
   return static_cast<std::uint16_t>(std::clamp(share, 0.0, 1.0) * largestCode(bits) + 0.5);
@@ -49,7 +49,7 @@ SliceStack::SliceStack(Axis axis, const openvdb::BBoxd& box, int longestSide)
   const double middle = 0.5 * (box.min()[k] + box.max()[k]);
   const SlicePlane first(axis, middle, box, longestSide);
   mVoxelSize = (first.position(1, 0) - first.position(0, 0)).length();
-  // What must be covered, and what a rounding error must not add.
+  // Every part of the box must be covered, but a rounding error must not add a row.
   constexpr double kRounding = 1e-9, kMost = 999999;
   const double layers = std::ceil((box.max()[k] - box.min()[k]) / mVoxelSize * (1 - kRounding));
   if (!(layers <= kMost))
@@ -114,7 +114,7 @@ std::string encodeSlice(const SliceCodes& slice, const SliceVoxels& voxels, cons
     picture.resolution = 1 / voxels.size;
     picture.resolutionUnit = "none";
   }
-  // ImageJ calls an inch so; a pixel is its word for a unit that nobody has named.
+  // ImageJ's words: "inch", and "pixel" for an unknown unit.
   const std::string unit = !voxels.unit ? "pixel" : *voxels.unit == LengthUnit::Inch ? "inch" : nameOf(*voxels.unit);
   const std::string description =
       "ImageJ=1.53\nimages=1\nunit=" + unit + "\nspacing=" + (voxels.unit ? numbersText({voxels.size}) : "1") + "\n";

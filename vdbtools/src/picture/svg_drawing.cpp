@@ -101,7 +101,7 @@ void SvgDrawing::line(std::span<const CanvasPoint> points, const LineStyle& styl
   mText += "<path" + attribute("fill", "none") + attribute("stroke", style.colour) +
            attribute("stroke-width", pixelsText(style.width)) + " d=\"";
   appendPoints(points);
-  if (points.size() == 1) mText += " Z";  // of no length, it has the round ends alone
+  if (points.size() == 1) mText += " Z";  // a path of length 0 consists of its round ends
   mText += "\"/>\n";
 }
 

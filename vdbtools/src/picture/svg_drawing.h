@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file svg_drawing.h
-/// Writes drawings as SVG 1.1. It is written here because Cairo's SVG is another one in each of its releases, and
-/// numbers its parts through the process. This one has no parts that need names.
+/// Writes drawings as SVG 1.1. Cairo's SVG is not used, because it differs from release to release and numbers its
+/// parts across the whole process. This SVG has no parts that need names.
 #pragma once
 
 #include "vdbtools/picture/canvas.h"
@@ -21,7 +21,7 @@ class SvgDrawing {
   /// @param points  not empty
   void line(std::span<const CanvasPoint> points, const LineStyle& style);
 
-  /// @param utf8     what readers for the blind say, and what searches find
+  /// @param utf8     the text for screen readers and for searches
   /// @param outline  commands of an SVG path in units of the font, y upwards, from the beginning of the baseline
   /// @param origin   where the baseline begins
   /// @param unit     pixels

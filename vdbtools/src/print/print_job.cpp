@@ -49,7 +49,7 @@ openvdb::BBoxd boxOf(const Mesh& mesh) {
   return box;
 }
 
-/// The surfaces of a closed mesh that its points connect.
+/// The surfaces of a closed mesh that are connected through points.
 struct Shells {
   std::vector<std::uint32_t> ofTriangle;
   std::vector<double> volumes;  ///< negative: the surface of a cavity
@@ -64,7 +64,7 @@ Shells shellsOf(const Mesh& mesh) {
   }
   Shells shells;
   std::vector<std::uint32_t> numbers(mesh.points.size(), kNone);
-  const Vec3d origin = mesh.points.front();  // near the triangles, so that little is lost to rounding
+  const Vec3d origin = mesh.points.front();  // near the triangles, so that little precision is lost
   for (const Vec3I& t : mesh.triangles) {
     std::uint32_t& number = numbers[sets.find(t[0])];
     if (number == kNone) {
@@ -100,7 +100,7 @@ Mesh partOf(const Mesh& mesh, const Keep& keep) {
   return part;
 }
 
-/// Keeps the largest islands and fills the cavities in them. @param report  whether what is dropped is told
+/// Keeps the largest islands and fills the cavities in them. @param report  receives what was dropped; may be null
 Mesh keepIslands(const Mesh& mesh, std::uint64_t count, PrintedPart* report) {
   const Shells shells = shellsOf(mesh);
   std::vector<std::uint32_t> order;
@@ -139,7 +139,7 @@ MeshReport checkedReport(const Mesh& mesh) {
   return openSolid("the mesh", std::shared_ptr<const Mesh>(std::shared_ptr<const Mesh>(), &mesh), {}).report;
 }
 
-/// On its feet: what points up points along z, and the middle of its base is at 0.
+/// Puts the mesh on its feet: its up axis points along z, and the middle of its base is at 0.
 void stand(Mesh& mesh) {
   const openvdb::BBoxd box = boxOf(mesh);
   const Vec3d middle = box.getCenter(), base(middle[0], middle[1], box.min()[2]);
@@ -151,7 +151,7 @@ void scaleTo(Mesh& mesh, double size) {
   for (Vec3d& point : mesh.points) point *= scale;
 }
 
-/// The solid with thin parts made thick or taken off, and its base cut. @param solid  with normals
+/// Thickens or removes the thin parts of the solid, and cuts its base. @param solid  with normals
 Mesh shaped(const Mesh& solid, const PrintOptions& options, double voxel, double thickness, PrintedPart& part,
             Monitor& monitor) {
   openvdb::FloatGrid::Ptr grid = partLevelSet(solid, voxel, monitor);
@@ -168,7 +168,7 @@ Mesh shaped(const Mesh& solid, const PrintOptions& options, double voxel, double
   if (thickness > 0) {
     if (options.thin == ThinParts::Thicken) {
       part.thinPoints = thicken(*grid, solid, thickness, floor, monitor);
-      // What is added may itself be thin where balls meet the solid at a slant.
+      // The added balls may leave thin places where they meet the solid at an angle.
       constexpr int kMostPasses = 3;
       bool changed = part.thinPoints > 0;
       for (int pass = 1; pass < kMostPasses && changed; ++pass) {
@@ -192,7 +192,7 @@ std::uint64_t resolutionOf(const PrintOptions& options) {
   return static_cast<std::uint64_t>(std::ceil(std::clamp(wanted, kLeast, kMost)));
 }
 
-/// The area of what faces down at z = 0.
+/// The area of the triangles that face down at z = 0.
 double baseAreaOf(const Mesh& mesh, double near) {
   double area = 0;
   for (const Vec3I& t : mesh.triangles) {
@@ -241,14 +241,14 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
   computeNormals(solid);
 
   double scale = options.size / given;
-  // Nested surfaces of several islands may lie in filled cavities of each other; the lattice unites them.
+  // Nested surfaces of several islands may lie in filled cavities of each other; the lattice merges them.
   const bool nested = options.islands > 1 && part.cavities > 0;
   if (options.minThickness || options.flatBase || nested) {
     part.voxelSize = options.size / static_cast<double>(resolutionOf(options));
-    // What is added and cut off changes the size; the part is made again until it has the one that is wanted.
+    // Adding and cutting change the size, so the part is made again until it has the requested one.
     constexpr int kMostTries = 4;
     constexpr double kNearEnough = 0.002;
-    // Room for the last, small change of the size, and for the lattice.
+    // Leaves room for the last, small change of the size, and for the lattice.
     const double thickness = options.minThickness ? *options.minThickness * (1 + 2 * kNearEnough) : 0;
     Mesh made;
     double change = 1;
@@ -256,8 +256,8 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
       Mesh next = shaped(solid, options, part.voxelSize, thickness, part, monitor);
       const double needed = options.size / longestSide(boxOf(next));
       if (change > 1 + kNearEnough && needed < 1 - kNearEnough) {
-        // What is thin at one size is thick at the next, so no size is right by itself. The smaller part is enlarged,
-        // which makes nothing thinner.
+        // The part was too small at one size and is too large at the next, because thin places appear and vanish, so
+        // no size is exact. The smaller part is enlarged, which makes nothing thinner.
         scale /= change;
         break;
       }
@@ -284,7 +284,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
   part.extents = boxOf(solid).extents();
   const std::vector<double> volumes = shellsOf(solid).volumes;
   part.volume = std::accumulate(volumes.begin(), volumes.end(), 0.);
-  part.kept = volumes.size();
+  part.keptIslands = volumes.size();
   const double voxel = part.voxelSize > 0 ? part.voxelSize : options.size / 1000;
   part.baseArea = baseAreaOf(solid, voxel / 100);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file file_names.h
-/// Recipes with other names of their files.
+/// Replaces the names of files in recipes.
 #pragma once
 
 #include "vdbtools/recipe/option_table.h"
@@ -10,8 +10,8 @@
 
 namespace vdbtools {
 
-/// @a recipe with each of @a names, as an option's value or as a part of it between colons, replaced by its second.
-/// Only options that name files are touched, and the hashes of their files stay.
+/// @a recipe with each first name of @a names replaced by the second, where it is the value of an option, or a part of
+/// a value between colons. Only options that name files are changed; the hashes of their files stay.
 Recipe withFileNames(const Recipe& recipe, const std::map<std::string, std::string>& names, const OptionTable& table);
 
 }  // namespace vdbtools

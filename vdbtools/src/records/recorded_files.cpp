@@ -39,11 +39,11 @@ bool holds(const fs::path& path, const std::string& hash) {
   }
 }
 
-/// Whether a name in a recipe is that of the standard input, which is gone.
+/// Whether a recorded name is that of the standard input, whose content is no longer available.
 bool wasPiped(const fs::path& recorded) { return recorded == kStandardStream; }
 
-/// The files in a folder and below that may be the recorded one by their extension, in the order of their names. What
-/// came through a pipe has none.
+/// The files in a folder and below whose extension allows them to be the recorded one, in the order of their names. A
+/// file that came through a pipe has no extension.
 std::vector<fs::path> filesBelow(const fs::path& folder, const fs::path& recorded) {
   const std::string extension = lowerExtension(recorded);
   const auto fits = [&](const fs::path& file) {
@@ -59,7 +59,7 @@ std::vector<fs::path> filesBelow(const fs::path& folder, const fs::path& recorde
   return files;
 }
 
-/// Where a file of a recipe may be without being searched for.
+/// The places where a file of a recipe is looked for without a search.
 std::vector<fs::path> usualPlaces(const fs::path& recorded, const fs::path& holder) {
   const fs::path beside = holder.parent_path();
   return {recorded, beside / recorded, beside / recorded.filename()};
@@ -94,7 +94,7 @@ std::optional<fs::path> find(const fs::path& recorded, const std::string& hash, 
                           places + "; name its folder with --search DIR" + search.wayOut);
 }
 
-/// The files whose hashes a recipe has, each with its own.
+/// The files of which a recipe has hashes, each with its hash.
 std::vector<std::pair<fs::path, std::string>> hashedFiles(const Recipe& recipe, const MapRegistry& maps) {
   std::map<std::string, std::vector<NamedFile>> byEntry;
   for (const NamedFile& file : filesOf(parseFractalOptions(recipe, maps)))
@@ -108,7 +108,7 @@ std::vector<std::pair<fs::path, std::string>> hashedFiles(const Recipe& recipe, 
   return result;
 }
 
-/// The files that the recipe in a file names; none where there is no recipe that could be read.
+/// The files that the recipe in a file names; empty if no recipe can be read.
 std::vector<fs::path> recordedNames(const fs::path& file, const MapRegistry& maps) {
   constexpr std::string_view kHolders[] = {".vdb", ".ply", ".obj", ".glb"};
   if (!isFile(file)) return {};

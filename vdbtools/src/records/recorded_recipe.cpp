@@ -27,7 +27,7 @@ using OrderedJson = nlohmann::ordered_json;
 constexpr const char* kRecipeKind = "recipe";
 constexpr int kRecipeVersion = 1;
 
-/// The content of a recipe file; null if it is none.
+/// The content of a recipe file; null if the file is not one.
 OrderedJson recipeJson(const std::filesystem::path& path) {
   OrderedJson json = parsedJson<OrderedJson>(readWholeFile(path));
   const bool ours = json.is_object() && json.value("juliavdb", OrderedJson()) == kRecipeKind;
@@ -69,7 +69,7 @@ bool isRecipeFile(const std::filesystem::path& path) {
   try {
     return !recipeJson(path).is_null();
   } catch (const std::runtime_error&) {
-    return false;  // it is not there, or cannot be read
+    return false;  // it does not exist, or cannot be read
   }
 }
 
@@ -85,7 +85,7 @@ std::string encodeRecipe(const RecordedRecipe& recorded) {
                          {"program", JULIAVDB_VERSION},
                          {"command", recorded.command},
                          {"recipe", std::move(entries)}};
-  // Names of files need not be UTF-8.
+  // Names of files may contain bytes that are not UTF-8.
   return json.dump(1, ' ', false, OrderedJson::error_handler_t::replace) + '\n';
 }
 
@@ -94,7 +94,7 @@ RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata
   if (command.empty()) return {};
   RecordedRecipe recorded{command,
                           recipeFromMetadata(metadata, command == "sdf" ? sdfOptionTable() : fractalOptionTable(maps))};
-  // Recipes record every option, and versions before this one kept all crumbs.
+  // Recipes record every option, but versions without this option kept all crumbs.
   if (command == "fractal") recorded.recipe.try_emplace("crumbs", "keep");
   return recorded;
 }

@@ -191,7 +191,7 @@ BBoxd boxFromMetadata(const std::string& text, const std::filesystem::path& path
                   "'; it must be six finite numbers with commas between them, the smaller corner first");
 }
 
-/// Whether a grid is the distances that this program made of a mesh.
+/// Whether this program made the grid from a mesh.
 bool isOfMesh(const VdbFile& file, const FloatGrid& grid) {
   if (grid.getName() == "phi") return true;
   const auto renamed = file.metadata.find(kDistanceGrid);
@@ -199,10 +199,10 @@ bool isOfMesh(const VdbFile& file, const FloatGrid& grid) {
          renamed->second == grid.getName();
 }
 
-/// A grid whose values mean where the target is, as its signed distance. @param facts  receives what was decided
+/// The signed distance of a target that the values of a grid describe. @param facts  receives what was decided
 FloatGrid::Ptr signedDistanceOf(FloatGrid::Ptr grid, const VolumeOptions& volume, bool needsCubes,
                                 std::map<std::string, std::string>& facts) {
-  // An empty grid has no surface, as makeTarget() says.
+  // An empty grid has no surface; makeTarget() reports it.
   if (grid->activeVoxelCount() == 0) return grid;
   std::optional<double> isovalue = volume.isovalue;
   if (!isovalue && grid->getGridClass() == openvdb::GRID_FOG_VOLUME) {

@@ -25,7 +25,7 @@ std::string boxText(const openvdb::BBoxd& box);
 
 double longestSide(const openvdb::BBoxd& box);
 
-/// A mesh in the form from which distances are computed.
+/// A mesh in the form from which its distances are computed.
 struct SolidSource {
   /// The mesh of the file, or the one in memory; a point cloud as converted by asPoints(). Painted attributes belong to
   /// it.
@@ -72,15 +72,15 @@ std::string latticeText(const openvdb::FloatGrid& grid);
 /// @throw DataError  @a text was not made by latticeText()
 void placeOnLattice(openvdb::FloatGrid& grid, const std::string& text);
 
-/// Metadata of a file: the value of the surface of a fog volume, if nobody gave one.
+/// Metadata of a file: the value at the surface of a fog volume, if the program chose it.
 inline constexpr const char* kChosenIsovalue = "julia_chosen_iso";
-/// Metadata of a file: the sides of the target's voxels, three numbers, if they were no cubes and became some.
+/// Metadata of a file: the three sides of the target's voxels, if these were not cubes and were replaced by cubes.
 inline constexpr const char* kUnequalSides = "julia_unequal_voxels";
 
-/// The target in a VDB, with its box from the metadata if it is there, and the facts above.
+/// The target in a VDB, with its box from the metadata, if it is recorded there, and with the facts above.
 /// @param needsCubes  whether voxels must be cubes even where all distances are known
 /// @throw as readVdb(), chooseFloatGrid(), levelSetOfVolume() and makeTarget()
-/// @throw std::invalid_argument  the sign is to be turned round although it is right
+/// @throw std::invalid_argument  the sign is to be reversed although it is right
 Target readVdbTarget(const std::filesystem::path& path, const std::string& grid, const VolumeOptions& volume,
                      bool needsCubes = false);
 

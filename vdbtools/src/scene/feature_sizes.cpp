@@ -25,15 +25,15 @@ using Leaf = FloatGrid::TreeType::LeafNodeType;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A place on the surface: the nodes whose distance is at most half a voxel fill a layer of one voxel about it, so that
-/// each stands for the same area.
+/// A place on the surface. The nodes whose distance is at most half a voxel fill a layer of one voxel about the
+/// surface, so each of them represents the same area.
 struct Place {
   Vec3d at;        ///< index space, on a node
-  double phi = 0;  ///< there, voxels
+  double phi = 0;  ///< the distance there, voxels
   Vec3d normal;    ///< outward, of length 1; 0 if there is none
 };
 
-/// The half of a layer, voxels; a little more than 1/2, for a rounding must not empty it.
+/// Half the width of the layer, voxels; slightly more than 1/2, because a rounding error must not empty the layer.
 constexpr float kHalfLayer = 0.500001F;
 
 class SurfacePlaces {
@@ -47,14 +47,14 @@ class SurfacePlaces {
     phi.tree().getNodes(mLeaves);
   }
 
-  /// @param area  becomes that of the surface, voxels
+  /// @param area  set to the area of the surface, square voxels
   std::vector<Place> choose(double& area, Monitor& monitor) const {
     std::vector<std::size_t> before(mLeaves.size() + 1, 0);
     inParallel(mLeaves.size(), 64, monitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i != end; ++i) forEach(*mLeaves[i], [&](openvdb::Index) { ++before[i + 1]; });
     });
     for (std::size_t i = 0; i < mLeaves.size(); ++i) before[i + 1] += before[i];
-    // One of each of as many equal pieces of the row of all nodes.
+    // Divides the sequence of all nodes into equal pieces, and chooses one node from each.
     const std::size_t all = before.back(), count = std::min(all, kMeasuredPlaces);
     area = static_cast<double>(all);
     std::vector<std::size_t> chosen(count);
@@ -113,7 +113,7 @@ class SurfacePlaces {
   std::vector<const Leaf*> mLeaves;
 };
 
-/// The largest factor by which a linear map from R^3 lengthens: @a columns are the images of the axes.
+/// The largest factor by which a linear map of R^3 stretches a vector. @param columns  the images of the axes
 double greatestStretch(const std::array<julia::Quaternion<double>, 3>& columns) {
   const auto dot = [](const julia::Quaternion<double>& p, const julia::Quaternion<double>& q) {
     return p.a * q.a + p.b * q.b + p.c * q.c + p.d * q.d;
@@ -121,8 +121,8 @@ double greatestStretch(const std::array<julia::Quaternion<double>, 3>& columns) 
   double gram[3][3];
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t k = 0; k < 3; ++k) gram[i][k] = dot(columns[i], columns[k]);
-  // The largest eigenvalue, by powers of the matrix: with squares of squares, eight times, the trace is that power of
-  // it to within a factor of 3, of which the root differs from 1 by less than 1/200.
+  // Finds the largest eigenvalue by powers of the matrix. After eight squarings the trace is the 256th power of the
+  // eigenvalue, up to a factor of 3, whose 256th root differs from 1 by less than 1/200.
   constexpr std::size_t kSquares = 8;
   std::array<double, kSquares + 1> traces{};
   for (std::size_t step = 0; step <= kSquares; ++step) {
@@ -169,20 +169,20 @@ std::vector<double> textureWidths(const std::vector<julia::Point>& points, const
   return widths;
 }
 
-/// The lengths of straight lines through the target, from places of its surface along the normal; voxels. Infinity
-/// where one is longer than its limit, or leaves the band in which the distances are known.
+/// The lengths of straight lines through the target, from places on its surface along the inward normal; voxels.
+/// Infinity if a line is longer than the limit, or leaves the band in which the distances are known.
 std::vector<double> chordsFrom(const std::vector<Place>& places, const FloatGrid& phi, double limit, Monitor& monitor) {
   const double voxel = phi.voxelSize()[0];
-  // Beyond, the value is that of the background.
+  // Farther away, nodes have the value of the background.
   const double known = std::abs(static_cast<double>(phi.background())) / voxel;
-  constexpr double kStep = 0.5;  // voxels: no wall that the lattice shows is jumped over
+  constexpr double kStep = 0.5;  // voxels: steps over no wall that the lattice shows
   std::vector<double> lengths(places.size(), kInfinity);
   inParallel(places.size(), 64, monitor, [&](std::size_t begin, std::size_t end) {
     const FloatGrid::ConstAccessor access = phi.getConstAccessor();
     for (std::size_t i = begin; i != end; ++i) {
       const Place& place = places[i];
       if (place.normal == Vec3d(0)) continue;
-      // The line enters at the distance phi behind the node, and is known to be inside for a while.
+      // The line enters at the distance phi behind the node.
       const double entry = place.phi;
       double at = entry + kStep, before = entry, depthBefore = 0;
       for (;;) {

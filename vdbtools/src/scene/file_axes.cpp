@@ -13,7 +13,7 @@
 namespace vdbtools {
 namespace {
 
-/// @param asTaken  what most readers of the format take for up
+/// @param asTaken  the axis that most readers of the format take for up
 UpAxis axisOf(const FileAxes& axes, UpAxis asTaken) {
   switch (axes.rule) {
     case UpRule::Keep: return axes.target;
@@ -24,7 +24,7 @@ UpAxis axisOf(const FileAxes& axes, UpAxis asTaken) {
   throw std::logic_error("a rule for the axis that does not exist");
 }
 
-/// An STL alone does not say which of its axes points up.
+/// STL is the only format that does not record which of its axes points up.
 std::string idleTargetUp(const OptionRun& run) {
   if (run.makesAny({Product::Vdb, Product::Mesh, Product::Glb, Product::Picture})) return {};
   if (!run.makesAny({Product::Stl})) return "it is for a VDB, a mesh or a picture of the map; leave it out";
@@ -111,7 +111,7 @@ std::optional<LengthUnit> unitOfTarget(const FileAxes& axes, const std::map<std:
 }
 
 std::optional<LengthUnit> unitOfFile(const std::filesystem::path& path) {
-  // What comes through a pipe can be read once only.
+  // The content of a pipe can be read only once.
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
   return recordedUnit(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file file_hashes.h
-/// The hashes of the files that many recipes name, each file read once.
+/// The hashes of files that many recipes name. Each file is read once.
 #pragma once
 
 #include "vdbtools/scene/scene.h"
@@ -12,7 +12,7 @@ namespace vdbtools {
 
 class FileHashes {
  public:
-  /// By the names that a recipe has for them. @throw as verifiedHashes()
+  /// The hashes, by the recipe's names for them. @throw as verifiedHashes()
   const Metadata& of(const FractalOptions& options);
 
  private:

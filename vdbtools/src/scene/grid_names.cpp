@@ -18,7 +18,7 @@ struct Naming {
   std::vector<std::pair<const char*, const char*>> names;
 };
 
-/// As the programs' documentation has them (docs/handoff.md). Densities have the name "density" everywhere.
+/// The names in the documentation of the programs (docs/handoff.md). All of them call densities "density".
 const std::vector<Naming>& namings() {
   static const std::vector<Naming> all = {{"houdini", {{"phi", "surface"}}},
                                           {"blender", {{"phi", "surface"}, {"Cd", "color"}}},

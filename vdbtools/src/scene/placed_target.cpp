@@ -20,9 +20,10 @@ namespace {
 
 using openvdb::FloatGrid;
 
-/// A control over the target. What its values may be is checked where they are used, as something that was asked for;
-/// but those of a grid are its file's.
-/// @throw DataError  values of a grid outside the range
+/// Binds a control to the target. If the control is a grid from a file, checks its values against @a range here,
+/// because wrong values are then the file's fault (DataError). The values of all other controls are checked where they
+/// are used, and are reported as a wrong option.
+/// @throw DataError  a value of the grid is outside the range
 Control bound(const ControlSource& source, const ControlContext& context, const std::string& name,
               const std::pair<double, double>& range) {
   Control control = source.bind(context);
@@ -42,7 +43,7 @@ bool readsTarget(const ShellSettings& shell) {
   return std::any_of(controls.begin(), controls.end(), [](const auto& control) { return control->needsTarget(); });
 }
 
-/// What controls may refer to. @param needsTarget  whether one of them needs the target's distances
+/// The parts of the target that controls may refer to. @param needsTarget  whether one of them needs the distances
 ControlContext controlContext(bool needsTarget, SharedTarget& shared, const PlacedSpace& placed, Monitor& monitor) {
   ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
   if (!needsTarget) return context;
@@ -52,13 +53,13 @@ ControlContext controlContext(bool needsTarget, SharedTarget& shared, const Plac
   return context;
 }
 
-/// The controls of a shell over the target.
+/// Binds the controls of a shell to the target.
 ExponentGridOptions bindControls(const ExponentSources& sources, SharedTarget& shared, const PlacedSpace& placed,
                                  Monitor& monitor) {
   const ShellSettings& shell = sources.shell;
   const ControlContext context = controlContext(readsTarget(shell), shared, placed, monitor);
   const std::pair positive(std::numeric_limits<double>::min(), std::numeric_limits<double>::infinity());
-  constexpr double kRounding = 1e-5;  // of what is read between nodes
+  constexpr double kRounding = 1e-5;  // of values that are read between nodes
   const std::pair share(-kRounding, 1 + kRounding);
   ExponentGridOptions exponent{.orbit = sources.orbit,
                                .interpolation = shell.interpolation.value(),
@@ -79,8 +80,8 @@ ExponentGridOptions bindControls(const ExponentSources& sources, SharedTarget& s
   return exponent;
 }
 
-/// How far from the surface distances are made at first.
-/// @param mapReach  how deep the map must know distances for other reasons, as MapSettings::interiorReach() has it
+/// How far from the surface distances are computed at first.
+/// @param mapReach  MapSettings::interiorReach()
 BandWidths widthsOf(const SpaceOptions& space, double mapReach, const TargetInput& input,
                     const ExponentGridOptions& shell) {
   const double others = mapReach * longestSide(input.box());
@@ -127,8 +128,8 @@ OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const
   const std::pair positive(std::numeric_limits<double>::min(), std::numeric_limits<double>::infinity());
   const Control control = bound(*frequency, context, "the frequency", positive);
   const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(target.shell));
-  constexpr double kLeast = 2;  // voxels of a feature that shows
-  constexpr double kFine = 4;   // a part may be thinner than the voxels, but more than this is somebody's wish
+  constexpr double kLeast = 2;  // voxels across a feature that is visible
+  constexpr double kFine = 4;   // a part may be thinner than the voxels, but a higher frequency than this was requested
   const double coarsest = 2 * thickness.greatest / control.range().first;
   if (voxel && control.range().first > kFine && !(coarsest >= kLeast * *voxel))
     throw std::invalid_argument("--frequency is " + frequency->text() + ", whose features are " +
@@ -188,7 +189,7 @@ PlacedTarget placeShell(const ExponentSources& sources, SharedTarget& shared, Mo
         return exponent();
       }
     } catch (const julia::NoDetail&) {
-      if (sources.space.origin != OriginKind::Auto) throw;  // another would do
+      if (sources.space.origin != OriginKind::Auto) throw;  // another origin would work
       throw DataError(
           "the target leaves no room for detail: about its deepest point it is too thin for the voxels of its "
           "distances; make these finer, or the target thicker",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file placed_target.h
-/// A target where the options place it, with the exponent of its shell and with what maps read over it. What several
-/// scenes share of one target is made once.
+/// Places a target as the options say, and makes the exponent of its shell and the other grids that maps read over it.
+/// Parts that several scenes over one target share are made once.
 #pragma once
 
 #include "vdbtools/distance/target.h"
@@ -17,20 +17,20 @@
 
 namespace vdbtools {
 
-/// All of a scene that its exponent over a target is made from, and nothing else is used to make it: so two scenes with
-/// equal sources share one exponent.
+/// Everything from which the exponent of a scene over a target is made. The exponent depends on nothing else, so scenes
+/// with equal sources share it.
 struct ExponentSources {
   SpaceOptions space;
   ShellSettings shell;
   Metadata controlFiles;  ///< the SHA-256 of the files that the shell's controls read
   julia::OrbitOptions orbit;
-  double interiorReach = 0;  ///< as MapSettings has it
-  bool isSmooth = false;     ///< E is read quadratically unless the distances are too coarse for that
+  double interiorReach = 0;  ///< MapSettings::interiorReach()
+  bool isSmooth = false;     ///< whether E is read quadratically, unless the distances are too coarse for that
 
   bool operator==(const ExponentSources&) const = default;
 };
 
-/// @param hashes  those of all files of the options
+/// @param hashes  the hashes of all files of the options
 ExponentSources exponentSources(const FractalOptions& options, const ShellSettings& shell, const Metadata& hashes);
 
 /// A target with its space and, if the map has a shell, its exponent.
@@ -38,11 +38,11 @@ struct PlacedTarget {
   PlacedSpace placed{};
   Target target;
   std::optional<SceneShell> shell{};
-  bool isSurveyed = false;  ///< the target's survey was used for it
+  bool isSurveyed = false;  ///< whether the target's survey was used for it
 };
 
-/// What one target gives to all scenes over it, each part made when it is first asked for. What it gives depends on
-/// what is asked for alone, and not on what was asked for before.
+/// The parts of a target that all scenes over it share, each made when it is first requested. A part depends only on
+/// the request, and not on earlier requests.
 class SharedTarget {
  public:
   SharedTarget(const TargetOptions& options, const TargetOpener& open) : mOptions(options), mInput(open(options)) {}
@@ -81,10 +81,11 @@ class SharedTarget {
     Target target;
   };
 
-  /// Distances that hold a band of @a widths.
+  /// Distances that include a band of @a widths.
   Known distances(const BandWidths& widths, Monitor& monitor) {
     if (mDistances) {
-      // Whoever asks again will ask for more once more: what is made again is made much wider.
+      // A second request for wider distances is usually followed by more. The distances are therefore computed over a
+      // much wider band than requested.
       constexpr double kMore = 4;
       const BandWidths& known = mDistances->widths;
       BandWidths wide{known.exterior, known.interior, known.wholeInside || widths.wholeInside};
@@ -93,7 +94,7 @@ class SharedTarget {
       mDistances.reset();
       try {
         return {wide, mInput->distances(wide, monitor)};
-      } catch (const MemoryError&) {            // what is asked for may fit nevertheless
+      } catch (const MemoryError&) {            // the requested widths may fit nevertheless
       } catch (const std::invalid_argument&) {  // more nodes than a band may have
       }
     }
@@ -103,7 +104,7 @@ class SharedTarget {
   TargetOptions mOptions;
   std::unique_ptr<const TargetInput> mInput;
   std::optional<TargetSurvey> mSurvey;
-  std::optional<Known> mDistances;  ///< the widest that were asked for
+  std::optional<Known> mDistances;  ///< the widest that were requested
   std::optional<Known> mBand;       ///< the latest
 };
 
@@ -115,7 +116,7 @@ double slopeOf(const std::optional<SceneShell>& shell);
 
 PlacedTarget placeShell(const ExponentSources& sources, SharedTarget& shared, Monitor& monitor);
 
-/// For a map without a shell, which gets the distances of the usual one.
+/// Places the target of a map without a shell. Its distances are as wide as those of the default shell.
 PlacedTarget placeTarget(const FractalOptions& options, SharedTarget& shared, Monitor& monitor);
 
 /// How fine the texture is at each place of the target.
@@ -123,12 +124,12 @@ PlacedTarget placeTarget(const FractalOptions& options, SharedTarget& shared, Mo
 OctaveGrid octaveOf(const ControlSetting& frequency, SharedTarget& shared, const PlacedTarget& target,
                     const std::optional<double>& voxel, Monitor& monitor);
 
-/// What the map reads over the target, besides the exponent and the octave.
+/// The controls that the map reads over the target, in addition to the exponent and the octave.
 /// @param voxel  of the result, world units, if it is known already
 ControlGrids controlsOf(const MapSettings& map, SharedTarget& shared, const PlacedTarget& target,
                         const std::optional<double>& voxel, Monitor& monitor);
 
-/// The map at work in a scene that has its target, its domain and its place.
+/// The map of a scene whose target, domain and place are set.
 std::shared_ptr<const MapInstance> mapInstance(const Scene& scene, const MapFiles& files);
 
 }  // namespace vdbtools

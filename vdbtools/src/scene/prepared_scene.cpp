@@ -30,7 +30,7 @@ using openvdb::Vec3d;
 
 constexpr const char* kEntry = "julia_prepared";
 
-// As text, which unlike a number of JSON may be infinite.
+// As text, because a number of JSON cannot be infinite.
 json number(double value) { return numbersText({value}); }
 double numberOf(const json& value) {
   const std::optional<double> result = numberFromText(value.get<std::string>());
@@ -104,7 +104,7 @@ ExponentGrid exponentOf(const json& e, FloatGrid::Ptr grid) {
   return result;
 }
 
-/// The target's distances keep their lattice to the last bit: random roots are strewn by it.
+/// The lattice of the target's distances is kept to the last bit, because random roots are placed by it.
 json target(const Target& t) {
   json entry = {{"box", box(t.box)}, {"dense_box", nodes(t.denseBox)}};
   if (t.phi->transform().mapType() == openvdb::math::UniformScaleTranslateMap::mapType())
@@ -129,7 +129,7 @@ FloatGrid::Ptr gridOf(const VdbFile& file, const char* name, const std::filesyst
   return grid;
 }
 
-/// @throw DataError  a number that no scene has
+/// @throw DataError  a number that cannot belong to a scene
 void requireSound(const Scene& scene) {
   const auto require = [](bool sound, const char* what) {
     if (!sound) throw DataError(std::string("its ") + what + " cannot be");
@@ -156,7 +156,7 @@ void requireSound(const Scene& scene) {
     return;
   }
   const ExponentGrid& e = *scene.exponent();
-  // The map reads the exponent where its own space is.
+  // The map reads the exponent in its own space.
   require(e.space.centre == scene.placed.space.centre && e.space.scale == scene.placed.space.scale,
           "spaces, of which the exponent has another one,");
   require(isPlaced(e.space) && isOrbit(e.orbit) && isRange({e.shell.lower, e.shell.upper}) &&
@@ -166,7 +166,7 @@ void requireSound(const Scene& scene) {
           "exponent");
 }
 
-/// @param space  where the map reads the octave
+/// @param space  the space in which the map reads the octave
 SceneTarget sceneTargetOf(const VdbFile& file, const json& entry, const FractalSpace& space,
                           const FractalOptions& options, const std::filesystem::path& path) {
   SceneTarget target{.distances = targetOf(entry.at("target"), gridOf(file, "phi", path)),
@@ -214,7 +214,7 @@ std::string encodePreparedScene(const Scene& scene) {
   } else {
     entry["region"] = box(scene.region());
   }
-  // A VDB has a grid.
+  // A VDB must have a grid.
   if (grids.empty()) grids.push_back(named(FloatGrid::create(), "none"));
   return encodeVdb(grids, {.half = false, .metadata = {{kEntry, entry.dump()}}});
 }

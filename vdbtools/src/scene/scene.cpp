@@ -41,14 +41,14 @@ Metadata hashesOf(const FractalOptions& options) {
   return metadata;
 }
 
-/// Where the origin is, as --origin takes it.
+/// The position of the origin as a value of --origin.
 std::string originText(const SpaceOptions& options, const FractalSpace& space, const BBoxd& box) {
   const Vec3d from = options.kind == SpaceKind::World ? space.centre : (space.centre - box.getCenter()) / space.scale;
   return numbersText({from[0], from[1], from[2]});
 }
 
-/// Where a map without a shell is evaluated, world units.
-/// @param shape  the box of the shape that it has, if it has one
+/// The region in which a map without a shell is evaluated, world units.
+/// @param shape  the box of the set's shape, if it is known
 BBoxd regionOf(const FractalOptions& options, const std::optional<BBoxd>& shape, const MapFiles& files,
                const FractalSpace& space) {
   constexpr double kMargin = 0.25;  // of the shape's longest side
@@ -73,14 +73,14 @@ double largestCoordinate(const BBoxd& box, const FractalSpace& space) {
   return largest;
 }
 
-/// Whether the voxels are large against the rounding of 32-bit positions.
+/// Whether the voxels are large compared with the rounding of 32-bit positions.
 bool voxelsAreLarge(double voxelSize, const BBoxd& box, const FractalSpace& space, const julia::Embedding& embedding) {
   constexpr double kLeastVoxel = 1e-3;  // of the largest coordinate: a thousandth of it is still resolved
   const double largest = std::max({1.0, std::abs(embedding.slice), largestCoordinate(box, space)});
   return voxelSize / space.scale >= kLeastVoxel * largest;
 }
 
-/// @param box  what is evaluated, or the target's, world units
+/// @param box  the evaluated box, or that of the target, world units
 Arithmetic chooseArithmetic(const FractalOptions& options, const MapInstance& map, double voxelSize, const BBoxd& box,
                             const FractalSpace& space) {
   switch (options.precision) {
@@ -99,12 +99,12 @@ Arithmetic chooseArithmetic(const Scene& scene, const MapInstance& map) {
   return chooseArithmetic(scene.options, map, scene.voxelSize, box, scene.placed.space);
 }
 
-/// The evaluator with which the scene's features are measured. It does not depend on the lattice, and is most often the
-/// one that the field has, too.
+/// The arithmetic of the evaluator with which the features of a scene are measured. It does not depend on the lattice,
+/// and is usually that of the field, too.
 Arithmetic measuringArithmetic(const Scene& scene) {
   if (scene.options.precision != Precision::Auto)
     return scene.options.precision == Precision::Float ? Arithmetic::Float : Arithmetic::Double;
-  // A difference over 1/4096 of the longest side is to be well above the rounding of coordinates.
+  // A difference over 1/4096 of the longest side must be well above the rounding of coordinates.
   constexpr double kMostFar = 8;  // longest sides
   const FractalSpace& space = scene.placed.space;
   const BBoxd& box = scene.target->distances.box;
@@ -181,8 +181,8 @@ std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const
 }
 
 struct SceneMaker::Shared {
-  /// What is shared of the target of these options; opened anew where the file has another content by now.
-  /// @param hashes  becomes those of the options' files
+  /// The shared parts of the target of these options. The target is opened again if its file has changed.
+  /// @param hashes  receives the hashes of the options' files
   SharedTarget& over(const FractalOptions& options, Metadata& hashes) {
     if (target && target->options() != *options.target) target.reset();
     if (!target) target = std::make_unique<SharedTarget>(*options.target, open);
@@ -237,14 +237,14 @@ std::shared_ptr<const MapInstance> mapInstance(const Scene& scene, const MapFile
 
 namespace {
 
-/// The unit of the target's coordinates, if somebody has said it.
+/// The unit of the target's coordinates, if it is known.
 std::optional<LengthUnit> unitOfTarget(const FractalOptions& options) {
   const TargetOptions& target = options.target.value();
   const std::optional<LengthUnit> asked = options.output.axes.unit;
   return target.mesh ? asked : agreedUnit(asked, unitOfFile(target.input.path), target.input.path);
 }
 
-/// Sets all of a scene that its target decides.
+/// Sets everything in a scene that depends on its target.
 /// @return the target's box
 BBoxd setTarget(Scene& scene, SharedTarget& shared, Monitor& monitor) {
   const FractalOptions& options = scene.options;
@@ -285,8 +285,8 @@ BBoxd setTarget(Scene& scene, SharedTarget& shared, Monitor& monitor) {
   return shape;
 }
 
-/// Sets the voxel size and, of a map without a shell, the region.
-/// @param shape  the box of the shape that the set has, if it has one
+/// Sets the voxel size and, for a map without a shell, the region.
+/// @param shape  the box of the set's shape, if it is known
 void setLattice(Scene& scene, const std::optional<BBoxd>& shape, const MapFiles& files) {
   const LatticeOptions& lattice = scene.options.lattice;
   if (scene.exponent()) {
@@ -295,7 +295,7 @@ void setLattice(Scene& scene, const std::optional<BBoxd>& shape, const MapFiles&
   }
   BBoxd region = regionOf(scene.options, shape, files, scene.placed.space);
   scene.voxelSize = lattice.voxels.sizeFor(longestSide(shape ? *shape : region));
-  // Room for the outermost cells of a set that fills its region.
+  // Leaves room for the outermost cells of a set that fills its region.
   constexpr double kRoom = 2;  // voxels
   if (!lattice.box) region.expand(kRoom * scene.voxelSize);
   scene.domain = region;
@@ -382,7 +382,7 @@ FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>&
   if (exponent) {
     plan.crumbs->exponent = exponent->grid;
     plan.crumbs->decided = exponent->shellOfNodes.lower;
-    // Where the whole target is only some voxels long, so are pieces of it that somebody would keep.
+    // If the whole target is only a few voxels long, so are pieces of it that users want to keep.
     constexpr double kShare = 1.0 / 40;  // of the target's longest side
     if (scene.options.surface.crumbs == Crumbs::Auto)
       plan.crumbs->longest =

@@ -25,7 +25,7 @@ std::pair<double, double> depthRange(const Scene& scene) {
   // v = alpha (phi - beta), and the surface lies where E is within the interval of the shell.
   const double scale = exponent.space.scale, alpha = exponent.alphaRange.first;
   auto [leastBeta, mostBeta] = exponent.betaRange;
-  // With a shell of detail, beta is largest where alpha is least.
+  // In a shell of detail, beta is largest where alpha is smallest.
   if (exponent.scale) leastBeta = mostBeta = std::abs(leastBeta) > std::abs(mostBeta) ? leastBeta : mostBeta;
   const double low = scale * (exponent.shellOfNodes.lower / alpha + leastBeta);
   const double high = scale * (exponent.shellOfNodes.upper / alpha + mostBeta);
@@ -33,7 +33,7 @@ std::pair<double, double> depthRange(const Scene& scene) {
   return {low, high};
 }
 
-/// Holds the whole set or nearly so, world units; of a map whose region nothing else says, the scene's.
+/// A box that contains all or nearly all of the set, world units; for a map whose region is unknown, that of the scene.
 openvdb::BBoxd wholeSet(const Scene& scene) {
   if (scene.target) {
     openvdb::BBoxd box = scene.target->distances.box;
@@ -46,12 +46,13 @@ openvdb::BBoxd wholeSet(const Scene& scene) {
   return scene.region();
 }
 
-/// Where lines along the axes meet the surface, on its inner side; fractal space. @param lines  of a side of the box
+/// The points where lines along the axes meet the surface, on its inner side; fractal space. @param lines  per side of
+/// the box
 std::vector<julia::Point> placesOnSurface(const julia::FieldEvaluator& evaluator, const FractalSpace& space,
                                           const openvdb::BBoxd& box, std::size_t lines) {
   constexpr std::size_t kSteps = 128;
   constexpr int kHalvings = 20;
-  constexpr double kAside = 0.382;  // of the way between lines, which so miss planes of symmetry
+  constexpr double kAside = 0.382;  // of the distance between lines, so that they miss planes of symmetry
   std::vector<std::vector<julia::Point>> found(3 * lines * lines);
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t line) {
     const int axis = static_cast<int>(line / (lines * lines));
@@ -88,12 +89,12 @@ std::vector<julia::Point> placesOnSurface(const julia::FieldEvaluator& evaluator
   return all;
 }
 
-/// The numbers of the colours that occur on the surface, but for the few least and greatest.
+/// The range of the colours' numbers on the surface, without the few smallest and largest ones.
 std::optional<GradientRange> occurringRange(const Scene& scene, FieldColouring colouring) {
   constexpr std::size_t kFewest = 16, kEnough = 512, kMostLines = 64;
   constexpr double kLeftOut = 0.02,
                    kNear = 1.0 / 512;  // at each end; of the longest side, as pictures have their steps
-  // Doubles in the place before the lattice's shift, for the voxels are to decide nothing.
+  // Uses doubles, and the space before the lattice's shift, because the voxels must not affect the result.
   const FractalSpace& space = scene.placed.space;
   const auto evaluator = scene.field.map->evaluator(Arithmetic::Double, scene.field.orbit);
   const openvdb::BBoxd box = wholeSet(scene);

@@ -8,13 +8,14 @@
 
 namespace vdbtools {
 
-/// A gradient without a range of its own is spread over the numbers that occur on the surface: from 2 to 98 % of those
-/// at places which depend on the map and its target alone, and neither on voxels nor on a box. So pictures, meshes,
-/// grids and tiles have the same. Where hardly any place is found, or all have one number, it keeps its usual range.
+/// A gradient without a range of its own covers the numbers that occur on the surface, from the 2nd to the 98th
+/// percentile. They are taken at places that depend on the map and its target alone, not on voxels or a box, so that
+/// pictures, meshes, grids and tiles have the same range. If there are hardly any such places, or all have the same
+/// number, the gradient keeps its default range.
 ///
-/// The usual range of colours by depth runs from the inner end of the shell to its outer end: the distances from the
-/// target between which its surface may lie anywhere. Without a shell it runs over a tenth of the target's longest
-/// side, half of it inside.
+/// The default range of colours by depth extends from the inner end of the shell to its outer end: the distances from
+/// the target between which its surface may lie anywhere. Without a shell it is a tenth of the target's longest side,
+/// half of it inside.
 /// @throw std::invalid_argument  colours by depth without a target
 /// @throw as colouringOf()
 FieldColouring sceneColouring(const Scene& scene, const ColourChoice& choice);

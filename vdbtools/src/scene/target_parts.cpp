@@ -9,7 +9,7 @@
 namespace vdbtools {
 namespace {
 
-/// The words of all values but file names that stand alone: "red" of "paint:red:0.1:0.6", "uv" of "uv,red".
+/// The words of all values except file names that stand alone: "red" of "paint:red:0.1:0.6", "uv" of "uv,red".
 std::set<std::string> wordsOf(const Recipe& recipe) {
   std::set<std::string> words;
   for (const auto& [option, value] : recipe) {

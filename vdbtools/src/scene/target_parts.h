@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file target_parts.h
-/// What the file of a mesh says besides its surface.
+/// What the file of a mesh contains besides its surface.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -10,7 +10,7 @@
 
 namespace vdbtools {
 
-/// @param file  that the mesh was read from; empty: it was in memory
+/// @param file  the file from which the mesh was read; empty: the mesh was in memory
 TargetParts partsOf(const Mesh& mesh, const std::filesystem::path& file);
 
 }  // namespace vdbtools

@@ -14,7 +14,7 @@ namespace {
 
 using openvdb::BBoxd;
 
-/// Sizes that no lattice shows are not worth a number.
+/// The maximum resolution that is suggested: finer features fit into no lattice.
 constexpr double kMostResolution = 4000;
 
 std::optional<double> voxelFor(double size) {
@@ -23,7 +23,7 @@ std::optional<double> voxelFor(double size) {
 
 std::string percent(double share) { return shortText(std::round(1000 * share) / 10) + " %"; }
 
-/// "--resolution 440" or "--voxel-size 0.01", whichever the recipe has; empty where the number is beyond all reason.
+/// "--resolution 440" or "--voxel-size 0.01", whichever the recipe has; empty if the number is unreasonable.
 std::string voxelOptionFor(const Scene& scene, double voxel) {
   const double resolution = upToTens(longestSide(scene.target->distances.box) / voxel);
   if (resolution > kMostResolution) return {};
@@ -39,13 +39,13 @@ std::string textureRemedy(const Scene& scene, const VoxelAdvice& advice) {
 
 std::string coreRemedy(const Scene& scene, const VoxelAdvice& advice) {
   const std::string option = advice.coreVoxel ? voxelOptionFor(scene, *advice.coreVoxel) : "";
-  // Where there is no core at all, voxels do not make one.
+  // If there is no core at all, smaller voxels do not create one.
   const bool voxelsDo = !option.empty() && scene.features()->core.shareBelow(2 * *advice.coreVoxel) < kCoreWorthSaying;
   if (voxelsDo) return option + " holds it";
   return option.empty() ? "less --detail makes it thicker" : option + " and less --detail hold it";
 }
 
-/// The shell's volume, and the surface's area, within the options' box; world units.
+/// The shell's volume and the surface's area within the options' box, world units.
 struct Extent {
   double volume = 0, area = 0;
 };
@@ -67,8 +67,8 @@ Extent extentOf(const Scene& scene) {
 }
 
 double memoryAt(const Extent& extent, double voxel) {
-  // Estimates, which no measurement holds yet: of the process, so many bytes for a voxel of the shell, for the
-  // surface's area in voxels, and for the rest.
+  // Estimates in bytes, confirmed by no measurement yet: per voxel of the shell, per square voxel of the surface, and
+  // for the rest of the process.
   constexpr double kOfNode = 5, kOfArea = 1200, kOfProcess = 150e6;
   return kOfNode * extent.volume / (voxel * voxel * voxel) + kOfArea * extent.area / (voxel * voxel) + kOfProcess;
 }
@@ -96,7 +96,7 @@ std::string finerThanVoxelsText(const Scene& scene) {
 }
 
 std::string coarseFloatsText(const Scene& scene) {
-  constexpr double kMost = 0.1;  // voxels: from here on, many vertices leave their edges
+  constexpr double kMost = 0.1;  // voxels: from this rounding on, many vertices leave their edges
   const double rounding = floatRounding(scene);
   if (scene.field.arithmetic != Arithmetic::Float || rounding < kMost) return {};
   return "--precision float rounds positions by up to " + shortText(rounding) +
@@ -106,7 +106,7 @@ std::string coarseFloatsText(const Scene& scene) {
 double estimatedMemory(const Scene& scene, double voxel) { return memoryAt(extentOf(scene), voxel); }
 
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
-  // Along the longest side of what is made: no less than without the option, and no more than floats serve.
+  // The limits along the longest side of the result: no less than the default, and no more than floats resolve.
   constexpr double kLeast = 300, kMost = 1000;
   const double side = longestSide(scene.target->distances.box);
   const double made = scene.options.lattice.box ? std::min(side, longestSide(*scene.options.lattice.box)) : side;
@@ -119,7 +119,7 @@ ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
   ChosenResolution chosen{.resolution = std::min(wanted, most)};
   if (wanted > most) chosen.limit = ChosenResolution::Limit::Most;
   if (!withinMemory) return chosen;
-  // What is estimated beside what the process has by now.
+  // The estimate is for the whole process, including the memory that it has now.
   const double bytes = memoryLeft().bytes + residentMemory();
   const Extent extent = extentOf(scene);
   for (; chosen.resolution > kTens && memoryAt(extent, side / chosen.resolution) > bytes; chosen.resolution -= kTens)

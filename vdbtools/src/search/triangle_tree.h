@@ -23,8 +23,8 @@ namespace vdbtools {
 /// The unit is a voxel: bounds are rounded for positions a few voxels from the nodes of a lattice.
 class TriangleTree {
  public:
-  /// When the frames of triangles are made (kernels/triangle_lanes.h): for each block in which one may be nearest, or
-  /// once, which is faster and takes kFrameBytes for each triangle. The results have the same bits.
+  /// When the frames of triangles are computed (kernels/triangle_lanes.h): for each block in which a triangle may be
+  /// the nearest one; or once, which is faster and takes kFrameBytes for each triangle. The results have the same bits.
   enum class Frames { ForEachBlock, Once };
   static constexpr std::size_t kFrameBytes = sizeof(kernels::PackFrames) / kernels::kPack;
 

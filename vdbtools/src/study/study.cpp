@@ -18,8 +18,8 @@ namespace {
 using julia::FieldEvaluator;
 using julia::Point;
 
-// Options of the job `fractal` that concern other maps and its checking. Those of its outputs have no effect on a
-// picture, and the others mean the same as there.
+// Options of the job `fractal` for other maps and for checks. Those of its outputs have no effect here, and all others
+// have the same meaning.
 constexpr const char* kNoOptions[] = {"map", "texture", "rational", "c", "exhaustive"};
 
 constexpr std::size_t kVersorsAtOnce = 64;  ///< evaluated before the threads meet again
@@ -35,7 +35,7 @@ void inChunks(std::size_t count, std::size_t size, const Monitor& monitor, const
   });
 }
 
-/// Counts for each of the points pointAt(0) to pointAt(count - 1) how many sets hold it.
+/// Counts, for each of the points pointAt(0) to pointAt(count - 1), the number of sets that contain it.
 template <class PointAt>
 std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Scene& scene, int versors,
                              Monitor& monitor) {
@@ -43,7 +43,7 @@ std::vector<int> countInside(std::size_t count, const PointAt& pointAt, const Sc
   const std::uint64_t firstSeed = seeds.first();
   std::vector<int> inside(count);
 
-  // |q_1| is e^E, which does not depend on the versor: what the first step decides is decided for all versors.
+  // |q_1| is e^E, which does not depend on the versor, so what the first step decides holds for all versors.
   const std::unique_ptr<FieldEvaluator> first = seeds.evaluator(firstSeed);
   const std::size_t batch = first->preferredBatch();
   std::vector<std::vector<std::size_t>> openOfChunk(chunksOf(count, batch));
@@ -100,10 +100,10 @@ std::optional<std::pair<double, double>> undecidedRange(const Scene& scene) {
 }  // namespace
 
 OptionTable studyOptionTable() {
-  // The specs, of which the study has a part, belong to the whole table.
+  // The specs, of which the study uses some, belong to the whole table.
   const OptionTable fractal = fractalOptionTable();
   std::vector<OptionSpec> options;
-  // With all that options go with.
+  // Includes all options on which others depend.
   const Recipe base = completeRecipe({{"follow", "true"}, {"box", "0,0,0,1,1,1"}}, fractal);
   const auto isOfOutputs = [&](const std::string& name) {
     return fractal.idle(name, {base, {Product::Recipe}}).empty() &&

@@ -99,7 +99,7 @@ const BandMaker::Layer* BandMaker::layerAt(int x) const {
   return found == mLayers.end() ? nullptr : &*found;
 }
 
-/// Makes the layers of the band up to @a x; all triangles that they need are there.
+/// Makes the layers of the band up to @a x. All triangles that they need have been added.
 void BandMaker::makeBandUpTo(std::int64_t x) {
   while (!mLayers.empty()) {
     mNext = std::max(mNext, std::int64_t{mLayers.front().x} - kBlock);
@@ -129,7 +129,7 @@ void BandMaker::makeBand(int x) {
   constexpr std::size_t kLeavesOfStep = 4096;
   if (mLeaves.size() + blocks.size() >= mNextStep) {
     mNextStep = mLeaves.size() + blocks.size() + kLeavesOfStep;
-    // Not each of these blocks becomes a leaf.
+    // Not all of these blocks become leaves.
     requireMemoryForStep(0.5 * kBytesOfFloatLeaf * static_cast<double>(blocks.size()), MemoryUse::Field,
                          "a level set of more than " + std::to_string(mLeaves.size()) + " blocks of 8^3 nodes");
   }

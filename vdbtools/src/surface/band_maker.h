@@ -65,7 +65,7 @@ class BandMaker {
   const Monitor& mMonitor;
   TriangleBins mBins;
   std::deque<Layer> mLayers;  ///< those that the next layer of the band may need
-  std::int64_t mNext;         ///< x of that layer
+  std::int64_t mNext;         ///< x of the next layer of the band
   tbb::enumerable_thread_specific<BlockDistances> mDistances;
   std::vector<std::unique_ptr<Leaf>> mLeaves;
   std::size_t mNextStep = 0;  ///< how many leaves there are when memory is checked again

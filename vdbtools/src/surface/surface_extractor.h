@@ -38,7 +38,7 @@ class SurfaceExtractor {
     BandMaker* band = nullptr;  ///< if not null, receives all layers in order; needs Border::Cap
   };
 
-  /// What takes the mesh: with its places, or without.
+  /// The receiver of the mesh, with places or without.
   using Sink = std::variant<MeshSink*, PlacedMeshSink*>;
 
   SurfaceExtractor(const FieldSource& source, const Options& options, Sink sink, Monitor& monitor);

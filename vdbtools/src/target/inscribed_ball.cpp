@@ -29,7 +29,8 @@ using openvdb::Vec3I;
 
 /// No ball scores better by more than this than the one that is found, unless many are nearly equal.
 constexpr double kTolerance = 1e-4;
-/// The distance to a surface changes by no more than the way, and the pulls by their shares of it.
+/// Over a step, the distance to a surface changes by no more than the length of the step, and the pulls by their
+/// fractions of it.
 constexpr double kSteepest = 1 + kInscribedBallPull + kInscribedBallTieBreak;
 /// The direction of the second pull, of length 1; neither an axis nor a diagonal, which are symmetrical in many shapes.
 const Vec3d kTieDirection(0.8, 0.48, 0.36);
@@ -137,9 +138,9 @@ Surface surfaceAbout(const std::vector<Node>& nodes, const FloatGrid& phi, const
   return Surface(levelSurface(inVoxels, 0));
 }
 
-/// Branch and bound [LD60] over cubes. The distance to some points of the surface bounds that
-/// to the surface from above; the points nearest to the centres that were tried last serve for that, as few others
-/// touch a ball that is nearly the largest.
+/// Branch and bound [LD60] over cubes. The distance to some points of the surface is an upper bound of that to the
+/// surface. The points nearest to the most recently tried centres serve for this, because few other points touch a ball
+/// that is nearly the largest.
 class BallSearch {
  public:
   BallSearch(const Surface& surface, const Score& score) : mSurface(surface), mScore(score) {}

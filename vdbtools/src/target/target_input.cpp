@@ -71,7 +71,7 @@ class MeshInput final : public TargetInput {
     // A target for which even the narrowest band is too large is refused before the survey, which takes a while.
     constexpr double kNarrowest = 1.5;
     if (mMend.offset() == 0) checkOptions(mSource.report, sdfBand(voxel, kNarrowest, kNarrowest));
-    // Of a mesh that gets walls, or a cloud that gets balls, the thickness was given in view of the voxels.
+    // For a mesh that gets walls, or a cloud that gets balls, their thickness was chosen with the voxels in mind.
     if (options.sdfVoxels)
       mVoxels = Voxels{voxel, std::nullopt};
     else if (mMend.offset() > 0)
@@ -142,7 +142,7 @@ class MeshInput final : public TargetInput {
     return *mVoxels;
   }
 
-  /// What chosenSdfResolution() promises. The limit does not depend on the memory of the machine, so that every machine
+  /// Implements chosenSdfResolution(). The limit does not depend on the memory of the machine, so that every machine
   /// makes the same set.
   Voxels chosenVoxels(Monitor& monitor) const {
     constexpr double kShare = 0.05, kAcross = 8, kMostOnSurface = 400'000;

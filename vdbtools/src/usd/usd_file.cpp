@@ -93,7 +93,7 @@ void writeVolume(std::ostream& stream, const UsdScene& scene) {
   stream << "    }\n";
 }
 
-/// A list. @param breaks  whether it has many lines. The value of a frame has one, as some readers expect
+/// Writes a list. @param breaks  whether it has several lines; the value of a frame has one, as some readers expect
 template <class Write>
 void writeElements(std::ostream& stream, std::size_t count, bool breaks, const Write& write) {
   constexpr std::size_t kOnALine = 16;
@@ -106,7 +106,8 @@ void writeElements(std::ostream& stream, std::size_t count, bool breaks, const W
 }
 
 /// An attribute of meshes: a list, or one for each frame.
-/// @param writerOf  of a mesh: writes the element at an index  @param details  what else is said of the attribute
+/// @param writerOf  for a mesh, the function that writes the element at an index  @param details  further properties of
+///                  the attribute
 template <class Count, class WriterOf>
 void writeMeshAttribute(std::ostream& stream, const UsdMeshes& meshes, const std::string& declaration,
                         const Count& countOf, const WriterOf& writerOf, const char* details = "") {

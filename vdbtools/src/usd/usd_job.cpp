@@ -61,7 +61,7 @@ fs::path relativeTo(const fs::path& scene, const fs::path& file) {
   return fs::absolute(file).lexically_normal().lexically_relative(folder);
 }
 
-/// Refuses a file that names another unit than the options do.
+/// Refuses a file that records another unit than the options name.
 void requireUnit(const UsdOptions& options, std::optional<LengthUnit> recorded, const fs::path& path) {
   agreedUnit(options.unit, recorded, path);
   if (recorded && options.metersPerUnit && *options.metersPerUnit != metresOf(*recorded))
@@ -69,7 +69,7 @@ void requireUnit(const UsdOptions& options, std::optional<LengthUnit> recorded, 
                                 ", which is not what --meters-per-unit says; leave that out");
 }
 
-/// @param unit  of the first frame; becomes it
+/// @param unit  the unit of the first frame; set by it
 void addFrame(const fs::path& path, std::optional<int> number, const UsdOptions& options, UsdScene& scene,
               std::optional<LengthUnit>& unit) {
   const VdbFile file = readVdb(path);
@@ -99,8 +99,8 @@ void addFrame(const fs::path& path, std::optional<int> number, const UsdOptions&
 /// The meshes of a scene. Reads each of them as often as the scene asks for it, and keeps the last one.
 class MeshReader {
  public:
-  /// Reads all of them once. @param number  of the frames, or none
-  /// @param unit  of the scene, as far as it is known; becomes that of the first mesh if there is no VDB
+  /// Reads all of them once. @param number  of the frame, if there are frames
+  /// @param unit  the scene's unit, if it is known; set to that of the first mesh if there is no VDB
   void add(const fs::path& path, std::optional<int> number, const UsdOptions& options, UsdScene& scene,
            std::optional<LengthUnit>& unit) {
     const std::map<std::string, std::string> comments = readMeshComments(path);
@@ -128,7 +128,7 @@ class MeshReader {
     for (const openvdb::Vec3d& point : mMesh.points) box.expand(point);
   }
 
-  /// For the scene, whose up axis is known now. This must outlive it.
+  /// The meshes for the scene, whose up axis is now known. This object must outlive the scene.
   UsdMeshes meshes(UpAxis up) {
     UsdMeshes meshes = mMeshes;
     meshes.at = [this, up](std::size_t index) -> const Mesh& {
@@ -163,7 +163,7 @@ class MeshReader {
   /// The mesh in the axes and the unit of the scene, with normals, and with colours as linear light.
   const Mesh& read(std::size_t index, UpAxis up) {
     const Entry& entry = mEntries[index];
-    mMesh = Mesh();  // frees the one before
+    mMesh = Mesh();  // frees the previous one
     mMesh = readMesh(entry.path);
     const UpTurn turn(entry.recorded.value_or(up), up);
     for (openvdb::Vec3d& point : mMesh.points) point = turn(point) * entry.scale;
@@ -219,7 +219,7 @@ UsdCounts writeUsdScene(const UsdOutputs& outputs, const UsdOptions& options, Mo
   scene.metersPerUnit = unit ? metresOf(*unit) : options.metersPerUnit.value_or(1);
   if (meshes.count() > 0) {
     scene.mesh = meshes.meshes(scene.up);
-    // The writing asks for the meshes again, which can be interrupted between two of them.
+    // The scene asks for the meshes again while it is written; this can be interrupted between two of them.
     scene.mesh->at = [&monitor, at = scene.mesh->at](std::size_t index) -> const Mesh& {
       monitor.throwIfCancelled();
       return at(index);

@@ -19,7 +19,7 @@ constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kLocalHeader = 30;  ///< bytes before the name
 constexpr std::size_t kExtraHeader = 4;   ///< of a field of padding
 
-/// Passes bytes on, and counts and checks them.
+/// Passes bytes on, counts them and computes their checksum.
 class CheckedBytes final : public std::streambuf {
  public:
   explicit CheckedBytes(std::ostream& target) : mTarget(target) {}
@@ -45,7 +45,7 @@ class CheckedBytes final : public std::streambuf {
   std::uint64_t mSize = 0;
 };
 
-/// Numbers in the order of bytes that archives have, whatever that of the machine is.
+/// Writes numbers in little-endian order, as archives have them, on any machine.
 class Record {
  public:
   Record& two(std::uint64_t value) { return bytes(value, 2); }
@@ -64,7 +64,7 @@ class Record {
   std::string mBytes;
 };
 
-/// What the header of a file and its entry in the list of files have in common.
+/// The common part of a file's header and of its entry in the central directory.
 std::string describedFile(const std::string& name, const CheckedBytes& bytes, std::size_t padding) {
   constexpr std::uint64_t kVersion = 10, kStored = 0, kUtf8 = 1 << 11;
   constexpr std::uint64_t kTime = 0, kDate = 1 << 5 | 1;  // the first day of 1980: the same scene gives the same bytes
@@ -104,7 +104,7 @@ std::string listOfFiles(const std::string& name, const CheckedBytes& bytes, std:
                                 .two(0)   // disk
                                 .two(0)   // internal attributes
                                 .four(0)  // external attributes
-                                .four(0)  // where its header begins
+                                .four(0)  // offset of its header
                                 .text(name)
                                 .all();
   return Record().text(entry).four(kEndMark).two(0).two(0).two(1).two(1).four(entry.size()).four(begin).two(0).all();
@@ -116,7 +116,7 @@ void writeUsdPackage(std::ostream& stream, const std::string& name,
                      const std::function<void(std::ostream&)>& writeScene) {
   const std::ostream::pos_type begin = stream.tellp();
   if (begin == std::ostream::pos_type(-1)) {
-    // A device or a pipe, in which the header cannot be filled in later.
+    // The stream is a device or a pipe, in which the header cannot be filled in later.
     std::ostringstream whole;
     writeUsdPackage(whole, name, writeScene);
     stream << whole.view();

@@ -45,23 +45,24 @@ class Device {
   virtual std::unique_ptr<FieldEvaluator> evaluator(std::unique_ptr<FieldEvaluator> host,
                                                     std::string& reason) const = 0;
 
-  /// Tells the notice that the device was opened with.
+  /// Calls the DeviceNotice with which the device was opened.
   virtual void notify(const std::string& sentence) const = 0;
 };
 
-/// Receives what happens to a device: one sentence. Threads may call it.
+/// Called with one sentence for the user whenever something happens to a device, such as a failure. Several threads may
+/// call it at once.
 using DeviceNotice = std::function<void(const std::string&)>;
 
-/// Opens all devices, in OpenCL's order: platform by platform. Each one's arithmetic is tried, and those whose info has
+/// Opens all devices in OpenCL's order, platform by platform, and tests the arithmetic of each. A device whose info has
 /// a refusal cannot be used.
-/// @param refusal  receives why there is none, if there is none
+/// @param refusal  receives the reason if there is no device at all
 std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal);
 
-/// Where drivers of OpenCL were looked for: a loader, a file or a folder, and what was found there, in words.
+/// A place where drivers of OpenCL were looked for (a loader, a file or a folder), and what was found there, in words.
 struct DriverPlace {
   std::string place, found;
 };
-/// All places, in the order of the search; it is made with the first call of this or of openDevices().
+/// All places, in the order of the search. The first call of this function or of openDevices() makes the search.
 std::vector<DriverPlace> driverPlaces();
 
 /// The device on which the process evaluates fields; nullptr, the default, for none. Like the instruction set
@@ -69,8 +70,8 @@ std::vector<DriverPlace> driverPlaces();
 std::shared_ptr<const Device> currentDevice();
 void setCurrentDevice(std::shared_ptr<const Device> device);
 
-/// The evaluator on the current device, or @a host itself if there is none or if it cannot evaluate this field, which
-/// its notice is told.
+/// The evaluator on the current device. Returns @a host itself if there is no device, or if the device cannot evaluate
+/// this field; in the second case, the device's notice is called with the reason.
 std::unique_ptr<FieldEvaluator> onCurrentDevice(std::unique_ptr<FieldEvaluator> host);
 
 }  // namespace julia

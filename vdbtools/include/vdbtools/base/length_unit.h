@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file length_unit.h
-/// What a number of a shape's coordinates is in the world, where somebody has said so.
+/// The unit of a shape's coordinates, if it is known.
 #pragma once
 
 namespace vdbtools {
 
-/// The metadata that names the unit of a file's own coordinates, as nameOf() has it. A file without it has none.
+/// The metadata entry that records the unit of a file's own coordinates, as nameOf() writes it. Without it, the unit is
+/// unknown.
 inline constexpr const char* kLengthUnit = "julia_length_unit";
 
 enum class LengthUnit { Millimetre, Centimetre, Metre, Inch };

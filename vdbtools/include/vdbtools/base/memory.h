@@ -60,8 +60,8 @@ MemoryLeft addressSpaceLeft(const std::filesystem::path& root = "/");
 /// What the limit of data (ulimit -d), i.e. of private writable memory, leaves, regardless of MemoryLimit.
 MemoryLeft dataLeft(const std::filesystem::path& root = "/");
 
-/// The total memory of this machine, bytes; infinity if the system does not say. The free part changes from moment to
-/// moment.
+/// The total memory of this machine, bytes; infinity if the system does not report it. Unlike the free memory, it does
+/// not change.
 double machineMemory();
 
 /// The resident memory of this process, bytes.
@@ -97,7 +97,8 @@ std::optional<std::string> memoryRunsOut();
 /// @throw MemoryError  more than is left; the message gives both figures
 void requireMemory(double bytes, MemoryUse use, const std::string& what);
 
-/// The same for work whose size shows in small steps. It asks the system each time: call it once for several MiB.
+/// The same for work whose size becomes known in small steps. Each call queries the system, so call it once for several
+/// MiB.
 void requireMemoryForStep(double bytes, MemoryUse use, const std::string& what);
 
 /// "1.5 GiB"

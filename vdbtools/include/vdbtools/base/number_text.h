@@ -18,7 +18,7 @@ std::optional<double> numberFromText(std::string_view text);
 /// As numberFromText(), for integers; also nullopt if the value does not fit Integer.
 template <class Integer>
 std::optional<Integer> wholeFromText(std::string_view text) {
-  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);  // from_chars knows no plus sign
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);  // from_chars accepts no plus sign
   Integer value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;

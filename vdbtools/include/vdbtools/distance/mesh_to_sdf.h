@@ -30,20 +30,21 @@ struct MeshToSdfOptions {
   Hollows hollows = Hollows::Fill;
 };
 
-/// The parts of a mesh that are not simply beside each other. A part is a set of triangles connected across
+/// How many parts of a mesh touch, intersect or enclose each other. A part is a set of triangles connected across
 /// edges.
 struct PartCounts {
-  std::size_t united = 0;   ///< parts that intersect or touch each other; a part that intersects itself counts, too
+  std::size_t intersecting =
+      0;                    ///< parts that intersect or touch each other; a part that intersects itself counts, too
   std::size_t hollows = 0;  ///< surfaces that bound cavities, whether these are filled or kept
   std::size_t inner = 0;    ///< surfaces within others that bound nothing, and parts there that are not closed
   bool operator==(const PartCounts&) const = default;
 };
 
-/// A closed mesh may be oriented either way, intersect itself, and have inner walls; cavities that it encloses are
-/// inside. Where closed parts intersect each other, the outer surface of their union counts. An open mesh passes if the
-/// voxels span its holes. With Hollows::Keep, a closed part that lies wholly within others bounds a cavity if the
-/// winding number is 0 just inside of it, and a part within a cavity is a solid again.
-/// @param counts  if not null, receives what was found of the parts
+/// Converts a mesh. A closed mesh may be oriented either way, intersect itself, and have inner walls; cavities that it
+/// encloses are inside. Where closed parts intersect each other, the outer surface of their union counts. An open mesh
+/// is accepted if the voxels span its holes. With Hollows::Keep, a closed part that lies wholly within others bounds a
+/// cavity if the winding number is 0 just inside of it, and a part within a cavity is a solid again.
+/// @param counts  if not null, receives the counts of the parts
 /// @return a level set, with the class, background and flood fill that OpenVDB expects. The background is the exterior
 ///         band width in world units.
 /// @throw std::invalid_argument  options out of their domain, or a grid of more than 2^31 nodes

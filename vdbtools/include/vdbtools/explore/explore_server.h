@@ -2,9 +2,9 @@
 /// @file explore_server.h
 /// The server of `juliavdb explore`: one page for one target, on this machine.
 ///
-/// The address has a random key of 128 bits, without which everything is 404. The requests below are relative to it;
-/// bodies and answers are JSON unless it says otherwise, and an error is {"error": one line}. A *recipe* is an object
-/// of names and values of options of `juliavdb fractal`, all text, not completed.
+/// The address contains a random key of 128 bits; requests without it are answered 404. The paths below are relative to
+/// this address. Bodies and answers are JSON unless stated otherwise, and an error is {"error": one line}. A *recipe*
+/// is an object of names and values of options of `juliavdb fractal`, all as text, not completed.
 ///
 ///     GET    page/NAME   a file of the page; the address itself is page/index.html
 ///     GET    start       what the page needs to know at first: options, maps, textures, the target, the first recipe
@@ -49,42 +49,42 @@
 
 namespace vdbtools::explore {
 
-/// Knows which share of a job is done from the phases that it goes through.
+/// Estimates how much of a job is done from the phases that it goes through.
 class WorkShare {
  public:
   virtual ~WorkShare() = default;
   virtual void begin(const Phase& phase) = 0;
-  /// From 0 to 1. @param fraction  of the phase at hand that is done
+  /// The share that is done, from 0 to 1. @param fraction  the done part of the current phase
   virtual double at(double fraction) = 0;
 };
 using MakeShare = std::function<std::unique_ptr<WorkShare>()>;
 
 struct ExploreOptions {
-  Recipe given;         ///< of the command line: the first look, and the only files that the page may use
-  InputFiles inputs{};  ///< what was read besides the files of that recipe: the page replaces none of them all
-  std::filesystem::path folder{};     ///< where files are made; itself made if need be. Empty: the working directory
-  std::string address = "127.0.0.1";  ///< to listen at: an IP address of this machine
-  int port = 0;                       ///< 0: any that is free
-  MakeShare makeShare{};              ///< for the progress of jobs; none: it is not told
+  Recipe given;         ///< the recipe of the command line: the page starts with it, and may use only its files
+  InputFiles inputs{};  ///< other files that were read; the page replaces neither these nor the files of the recipe
+  std::filesystem::path folder{};     ///< where files are written; created if necessary. Empty: the working directory
+  std::string address = "127.0.0.1";  ///< where to listen: an IP address of this machine
+  int port = 0;                       ///< 0: any free port
+  MakeShare makeShare{};              ///< estimates the progress of jobs; empty: it is not reported
 };
 
-/// Whether only programs of this machine reach the address. @throw std::invalid_argument  it is no IP address
+/// Whether only programs on this machine can reach the address. @throw std::invalid_argument  not an IP address
 bool isLoopback(const std::string& address);
 
 class ExploreServer {
  public:
-  /// Makes the first scene, so that what is wrong with the target is known at once, and takes the port.
+  /// Makes the first scene, so that errors in the target are reported at once, and opens the port.
   /// @throw std::invalid_argument  options
-  /// @throw CreateError            there is no such folder and none can be made, or the port cannot be taken
+  /// @throw CreateError            the folder does not exist and cannot be created, or the port cannot be opened
   /// @throw                        as makeScene()
   ExploreServer(const ExploreOptions& options, Monitor& monitor);
   ~ExploreServer();
 
-  /// With the key: whoever has it may use the page.
+  /// The address with its key. Whoever has it can use the page.
   std::string url() const;
 
-  /// Serves until @a monitor cancels, then cancels what is being made, and returns. It is asked at least twenty times a
-  /// second.
+  /// Serves until @a monitor is cancelled, which it checks at least twenty times a second. Then it cancels the work in
+  /// progress and returns.
   void serve(const Monitor& monitor);
 
  private:

@@ -14,8 +14,9 @@
 namespace vdbtools::explore {
 
 /// The command that makes what a recipe describes: "juliavdb fractal bunny.obj --detail 0.6 -o look.vdb".
-/// @param recipe   what was given; entries for hashes, flags that are off, and options without an effect on the
+/// @param recipe   the given options; entries for hashes, flags that are off, and options without an effect on the
 ///                 outputs are left out
+/// @param table    the options of the command
 /// @param table    that of the command
 /// @param outputs  options and files, such as ("-o", "look.vdb")
 std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
@@ -28,9 +29,9 @@ std::string pictureCommand(const Recipe& recipe, const OptionTable& table, const
                            const std::string& file);
 
 /// The command that plans a sequence: "juliavdb plan frames bunny.obj --frames 1-48 --key detail@1=0.2 ... -o look".
-/// @param options  what changes by keys, and the rest as their base
+/// @param options  the keys, and the other options as their base
 /// @param list     the list of the frames as text, from which options.frames was read
-/// @param folder   of the plan
+/// @param folder   the folder of the plan
 std::string framesCommand(const farm::FramePlanOptions& options, const std::string& list, const OptionTable& table,
                           const std::string& folder);
 

@@ -53,7 +53,7 @@ struct ExponentGrid {
   FractalSpace space;
   julia::Knee knee;            ///< how E follows from v where it is read (julia/detail.h); none unless detail was given
   julia::ShellInterval shell;  ///< of E
-  julia::ShellInterval shellOfNodes;  ///< where E is at the ends of its interval, v is at the ends of this one
+  julia::ShellInterval shellOfNodes;  ///< the interval of v that corresponds to the interval of E in shell
   /// The orbit for which E was made, with the trap that the shell proves. An evaluator of E must use it.
   julia::OrbitOptions orbit;
   std::optional<openvdb::CoordBBox> denseBox;  ///< see Target

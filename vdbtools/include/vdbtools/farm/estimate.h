@@ -17,7 +17,7 @@ struct Estimated {
   double low = 0, high = 0;  ///< the 95 % interval
 };
 
-/// The known amount of work of a task before it is run, in arbitrary units.
+/// The amount of work of a task as far as it is known before the task is run, in arbitrary units.
 struct TaskWork {
   double shell = 0;    ///< number of undecided nodes
   double surface = 0;  ///< area of the surface, as seen on a coarse lattice

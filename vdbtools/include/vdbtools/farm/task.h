@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file task.h
-/// One task of a plan: it is run, and a side-car records it, by which it is checked later.
+/// Runs one task of a plan and records it in a side-car, by which it is checked later.
 ///
 /// A side-car is DIR/tasks/0007.json, written after the task's files are committed. It has the task's hash and, for
 /// each file, its size and SHA-256. A task whose side-car does not match its files or its plan is not done.

@@ -26,7 +26,7 @@ struct IslandOptions {
 };
 
 struct IslandReport {
-  std::uint64_t islands = 0, kept = 0;
+  std::uint64_t islands = 0, keptIslands = 0;
   std::uint64_t droppedNodes = 0;  ///< nodes that were inside and no longer are
 };
 

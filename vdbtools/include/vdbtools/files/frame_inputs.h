@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file frame_inputs.h
-/// The files that the frames of a sequence read: which of them are missing is said before the work begins.
+/// Collects the files that the frames of a sequence read, so that missing files are reported before the work begins.
 #pragma once
 
 #include "vdbtools/files/input_files.h"
@@ -14,8 +14,8 @@ namespace vdbtools {
 
 class FrameInputs {
  public:
-  /// Adds a file and looks whether it exists. Nothing is opened.
-  /// @param frame  the one that reads it; of several frames with the same file the first one counts
+  /// Adds a file and checks whether it exists. Nothing is opened.
+  /// @param frame  the frame that reads it; if several frames read the same file, the first one is reported
   void add(const std::filesystem::path& file, int frame);
 
   /// @throw MissingInputError  names the first few missing files and their frames

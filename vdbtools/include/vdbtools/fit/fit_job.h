@@ -29,11 +29,11 @@ enum class FitStart {
   Monopoles,  ///< roots where monopoles approximate the surface's electrostatic potential ([Kim15] 4.4)
 };
 
-/// The iterations after which the set of a map that is meant for one is judged, too.
+/// A map that is meant for one iteration is also judged by its set after this many iterations.
 inline constexpr int kScoredIterations = 4;
 
 struct FitOptions {
-  /// After how many iterations the set is judged.
+  /// The number of iterations after which the set is judged.
   int scored() const { return iterations > 1 ? iterations : kScoredIterations; }
 
   FitTargetOptions target;
@@ -47,7 +47,7 @@ struct FitOptions {
   julia::CellWeights weights = julia::CellWeights::InverseDistance;
   double powerPenalty = 0;  ///< see julia::ShapeEnergyOptions
   double alpha = 0;         ///< all powers and C are scaled until |grad L| is this near the surface; 0: no scaling
-  int iterations = 3;       ///< for how many of them C is chosen in the end (scaleShift())
+  int iterations = 3;       ///< the number of iterations for which C is chosen at the end (scaleShift())
   std::uint64_t seed = 1;
 };
 
@@ -70,8 +70,8 @@ struct FitResult {
   julia::Rational rational;
   FitTarget target;
   FitMeasure measure;     ///< on the cells of the cube, after one iteration and before C was shifted
-  double scaleShift = 0;  ///< what was added to C, as scaleShift()
-  /// As iteratedIou(), after the iterations that were asked for; after kScoredIterations where that was one.
+  double scaleShift = 0;  ///< the number that was added to C (scaleShift())
+  /// The result of iteratedIou() after FitOptions::scored() iterations.
   double iteratedIou = 0;
   double slope = 0;  ///< median of |L / phi| near the surface
   std::vector<FitRow> rows;

@@ -33,7 +33,7 @@ FitMeasure measureFit(const FitTarget& target, const julia::Rational& rational, 
 
 struct IteratedOptions {
   int iterations = 4;  ///< n, 1 or more; the escape radius is 20
-  int every = 1;       ///< only every such cell along each axis is counted, which are 1 / every^3 of them
+  int every = 1;       ///< counts only every n-th cell along each axis, where n is this number: 1 / n^3 of all cells
 };
 
 /// FitMeasure::iou of the set after n iterations.
@@ -42,10 +42,10 @@ struct IteratedOptions {
 double iteratedIou(const FitTarget& target, const julia::Rational& rational, const IteratedOptions& options,
                    Monitor& monitor);
 
-/// What to add to C so that the set after n iterations has the largest IoU. A point inside stays there only if its
-/// orbit does, and the first step sends it to |R| < 1 in any direction, where the shape may end sooner. A smaller C
-/// takes the orbits nearer to the middle, and lets points from further out into the set: the two make up for each
-/// other. The sum is searched on some thousands of cells, to about 0.02.
+/// The number to add to C so that the set after n iterations has the largest IoU. A point inside the target stays in
+/// the set only if its whole orbit stays inside, but the first step sends it to |R| < 1 in any direction, where the
+/// shape may end sooner. A smaller C keeps orbits nearer to the middle, so that fewer points are lost, but it also lets
+/// points from farther out into the set. The best balance is searched on some thousands of cells, to about 0.02.
 /// @return 0 for n = 1, for which the map was fitted
 /// @throw  as iteratedIou()
 double scaleShift(const FitTarget& target, const julia::Rational& rational, int iterations, Monitor& monitor);

@@ -34,13 +34,13 @@ struct NvdbWriteOptions {
   UpTurn turn{};  ///< rotates the grids through their transforms alone, as in VdbWriteOptions
 };
 
-/// What became of a grid.
+/// How a grid was written.
 struct NvdbWritten {
   std::string name;
-  std::string type;          ///< NanoVDB's name, as "Fp8"
+  std::string type;          ///< the type's name in NanoVDB, such as "Fp8"
   bool quantized = false;    ///< whether values were rounded
   double greatestError = 0;  ///< of the active voxels, in the units of the values
-  bool levelSet = false;     ///< whether these are distances
+  bool levelSet = false;     ///< whether the grid is a level set, so that its values are distances
   double voxelSize = 0;      ///< world units
 };
 
@@ -49,11 +49,11 @@ bool canWriteNvdb();
 
 /// Writes the grids, uncompressed.
 /// @throw std::invalid_argument  this build cannot write NanoVDB, or two grids have the same name
-/// @throw DataError              NanoVDB has no such type of grid, or no transform of this kind
+/// NanoVDB does not support the type or the transform of a grid
 std::vector<NvdbWritten> writeNvdb(std::ostream& stream, const std::vector<openvdb::GridBase::Ptr>& grids,
                                    const NvdbWriteOptions& options);
 
-/// What a file says of a grid.
+/// A grid as its file describes it.
 struct NvdbGrid {
   std::string name;
   std::string type;       ///< "float", "Fp8", ...
@@ -72,10 +72,9 @@ struct NvdbFile {
   std::vector<NvdbGrid> grids;
 };
 
-/// Reads what the file says of its grids, and checks all of it: every size and count, the place of every node, and the
-/// checksums. Readers of NanoVDB trust all of these. Works in every build.
-/// @throw DataError  it is no NanoVDB file of a version that is known, it is truncated or damaged, or it is compressed
-///                   by Blosc
+/// Reads the descriptions of the grids in a file, and checks every size and count, the place of every node, and the
+/// checksums. Readers of NanoVDB trust all of these. This works in every build.
+/// @throw DataError  not a NanoVDB file of a known version, truncated or damaged, or compressed by Blosc
 NvdbFile decodeNvdb(std::string_view bytes);
 
 /// As decodeNvdb(), for a file.

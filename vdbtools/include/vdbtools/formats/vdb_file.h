@@ -20,7 +20,8 @@
 
 namespace vdbtools {
 
-/// The metadata that names the grid of distances in a file of this program, where it has another name than usual.
+/// The metadata entry with the name of the grid of distances in a file of this program, if it differs from the usual
+/// one.
 inline constexpr const char* kDistanceGrid = "julia_distance_grid";
 
 struct VdbWriteOptions {
@@ -32,18 +33,19 @@ struct VdbWriteOptions {
   std::optional<UpAxis> up{};
   /// Rotates the grids to these axes through their transforms alone: values, including vectors, stay unchanged.
   UpTurn turn{};
-  /// Names of grids in the file, by those that they have.
+  /// The names that grids have in the file, by their own names; grids that are not listed keep theirs.
   std::map<std::string, std::string> names{};
 };
 
-/// The grids by the names that they are to have; the others as they are. Values are shared.
+/// Returns the grids with their names replaced as @a names says; grids that are not listed keep theirs. Values are
+/// shared.
 std::vector<openvdb::GridBase::Ptr> renamed(const std::vector<openvdb::GridBase::Ptr>& grids,
                                             const std::map<std::string, std::string>& names);
 
 /// Checks the voxel size before grids for other programs are made. encodeVdb() does not check it, because files that
 /// only this program reads may have voxels of any size.
 /// @param wayOut  the remedy that the caller's options offer; by default the options of voxels
-/// @throw std::invalid_argument  OpenVDB and programs that use it make no transform for voxels as small as this
+/// @throw std::invalid_argument  OpenVDB, and programs that use it, cannot represent voxels this small
 void requireVdbVoxel(double voxelSize, std::string_view wayOut = {});
 
 /// Returns the bytes of a file with @a grids, Blosc-compressed. In the file, @a options.metadata is added to the grids'
@@ -77,7 +79,7 @@ VdbFile readVdb(const std::filesystem::path& path);
 /// @throw  as readVdb()
 std::map<std::string, std::string> readVdbMetadata(const std::filesystem::path& path);
 
-/// The names that a file's distances may have, by its metadata, the likeliest first.
+/// The names that the grid of distances may have according to the file's metadata, the likeliest first.
 std::vector<std::string> distanceGrids(const std::map<std::string, std::string>& metadata);
 
 /// A name for each grid that no other grid has: where several have the same one, it is followed by [0], [1] and so on

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file fractal_files.h
-/// A fractal into files, as `juliavdb fractal` writes them.
+/// Writes a fractal to files, as `juliavdb fractal` does.
 #pragma once
 
 #include "vdbtools/files/atomic_file.h"
@@ -21,32 +21,32 @@ struct FractalMeshFile {
   MeshFormat format = MeshFormat::Ply;
 };
 
-/// The files outlive the call. At least one is wanted.
+/// The files of a fractal, at least one of which is given. They must outlive the call.
 struct FractalFiles {
-  AtomicFile* vdb = nullptr;  ///< takes the grids; none: they are not made
-  /// The file of grids is one of NanoVDB, and how its values are stored.
+  AtomicFile* vdb = nullptr;  ///< receives the grids; nullptr: no grids are made
+  /// If set, the file of grids is a NanoVDB file, and its values are stored in this way.
   std::optional<NvdbValues> nvdb{};
-  std::vector<NvdbWritten>* nvdbReport = nullptr;  ///< takes what became of the grids in such a file
+  std::vector<NvdbWritten>* nvdbReport = nullptr;  ///< receives how the grids were stored in a NanoVDB file
   std::vector<FractalMeshFile> meshes{};
 };
 
-/// How a scene's grids and its mesh go into files.
-/// @param metadata  the scene's
+/// The options with which the grids and the mesh of a scene are written.
+/// @param metadata  the metadata of the scene
 VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::string, std::string> metadata);
 MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output,
                                   std::map<std::string, std::string> metadata);
 
-/// Makes the grids and the mesh of a scene and writes them, with their metadata. The files are left to be committed.
-/// @param recipe  what the metadata say of how the scene was made
-/// @throw std::invalid_argument  no file, or an STL of more triangles than it can count
+/// Makes the grids and the mesh of a scene and writes them, with their metadata. The caller commits the files.
+/// @param recipe  the recipe of the scene, which the metadata record
+/// @throw std::invalid_argument  no file was given, or an STL would have more triangles than it can count
 /// @throw DataError              there is no surface
 /// @throw IoError, Interrupted
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor);
 
-/// Writes what runFractal() has made of a scene before, with the same bytes as if it were made now.
-/// @param made  with grids, if a VDB is written
-/// @param mesh, values  what went to its sink
-/// @throw as above
+/// Writes what runFractal() made of a scene earlier, with the same bytes as writeFractal().
+/// @param made          must have grids if a VDB is written
+/// @param mesh, values  the mesh and the values of its columns that runFractal() passed to its sink
+/// @throw as writeFractal()
 void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
                       std::span<const float> values, const FractalFiles& files, Monitor& monitor);
 

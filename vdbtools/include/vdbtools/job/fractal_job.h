@@ -3,7 +3,7 @@
 /// The room `job` puts the other rooms together into the work of one command: fractals, distances, points and sheets.
 /// It uses the rooms up to `scene`.
 ///
-/// The main job from end to end: a scene in (scene.h); field, mesh and hand-off grids out.
+/// This header declares the main job, which makes the field, the mesh and the exported grids of a scene (scene.h).
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -25,17 +25,18 @@
 
 namespace vdbtools {
 
-/// What is wanted of a fractal.
+/// Which products of a fractal are requested.
 struct FractalProducts {
-  bool grids = false;  ///< those of OutputOptions::grids and of its attributes
+  bool grids = false;  ///< the grids that OutputOptions names, and those of its attributes
   bool mesh = false;
 };
 
-/// What runFractal() makes of a scene, and how; decided before the work begins.
+/// What runFractal() makes of a scene, and how. It is decided before the work begins.
 struct FractalPlan {
   enum class Way {
     Streamed,  ///< mesh and level set are made layer by layer, and the field is not held in memory
-    Held,      ///< the field is: for grids of it, to find islands, to follow the surface, and where a box cuts it open
+    InMemory,  ///< the field is held in memory: if grids of it are made, islands are found, the surface is followed, or
+               ///< a box cuts it open
   };
 
   FieldPlan nodes;
@@ -47,7 +48,7 @@ struct FractalPlan {
 
 FractalPlan planFractal(const Scene& scene, const FractalProducts& wanted);
 
-/// What runFractal() makes beside the mesh that goes to its sink.
+/// The result of runFractal(), except for the mesh, which goes to the sink.
 ///
 ///     Mesh mesh;
 ///     MeshCollector collector(mesh);
@@ -55,27 +56,30 @@ FractalPlan planFractal(const Scene& scene, const FractalProducts& wanted);
 ///     const FractalResult result = runFractal(scene, plan, &collector, monitor);
 ///     const openvdb::GridBase::Ptr surface = result.grids.front();
 struct FractalResult {
-  std::vector<openvdb::GridBase::Ptr> grids;  ///< those of the plan
-  MeshCounts mesh;                            ///< of what went to the sink
+  std::vector<openvdb::GridBase::Ptr> grids;  ///< the grids of the plan
+  MeshCounts mesh;                            ///< counts of the mesh that went to the sink
   std::uint64_t evaluatedNodes = 0;
   std::optional<FollowReport> follow;   ///< if the surface was followed
-  std::optional<IslandReport> islands;  ///< if any were to be dropped
-  std::optional<CrumbReport> crumbs;    ///< if they were dropped; before the islands
+  std::optional<IslandReport> islands;  ///< if islands were to be dropped
+  std::optional<CrumbReport> crumbs;    ///< if crumbs were dropped, which happens before islands are dropped
   LevelSetCheck check;                  ///< of the level set, if the grids needed one
   std::optional<SolidMeasure> solid;    ///< of the mesh, unless it ends open at a box
-  std::vector<MeshLevel> levels;        ///< of detail, in a GLB that was written
+  std::vector<MeshLevel> levels;        ///< levels of detail, if a GLB with them was written
 };
 
 /// Makes the grids and the mesh of a scene.
-/// @param sink  takes the mesh, with normals and the columns that meshColumns() names; nullptr if the plan has none
-/// @throw DataError  there is no surface, or none but that of crumbs
+/// @param sink  receives the mesh, with normals and the columns that meshColumns() names; nullptr if the plan has no
+///              mesh
+/// @throw DataError  there is no surface, or only crumbs have one
 /// @throw Interrupted
 FractalResult runFractal(const Scene& scene, const FractalPlan& plan, MeshSink* sink, Monitor& monitor);
 
-/// Of a fractal without a surface. @throw DataError  it would have one if its crumbs had not been dropped
+/// Call it for a fractal without a surface. @throw DataError  the fractal would have one if its crumbs had not been
+/// dropped
 void requireMoreThanCrumbs(const CrumbReport& dropped);
 
-/// For a mesh that is to be held in memory whole. What is surely inside the set bounds its surface from below.
+/// Checks whether the whole mesh of a scene can fit into memory. The part that is surely inside the set gives a lower
+/// bound of its surface.
 /// @throw MemoryError  the mesh will not fit
 void requireMemoryForMesh(const Scene& scene);
 

@@ -16,7 +16,7 @@
 
 namespace vdbtools {
 
-/// Exactly one of count and spacing is there.
+/// Exactly one of count and spacing is set.
 struct PointsOptions {
   std::optional<std::uint64_t> count;
   std::optional<double> spacing;  ///< world units: the least distance between two points
@@ -29,20 +29,20 @@ struct OrientedPoints {
   std::vector<VertexColumn> columns;
   std::vector<float> values;  ///< row by row
   double spacing = 0;         ///< the least distance between two points, world units
-  double reach = 0;           ///< how far the surface was found to lie from the nearest point at most, world units
-  std::uint64_t lost = 0;     ///< places that were tried, and had no true surface within a voxel
+  double reach = 0;        ///< the largest distance that was found from the surface to its nearest point, world units
+  std::uint64_t lost = 0;  ///< number of tried places that had no true surface within a voxel
 
   PointBatch batch() const { return {positions, normals, values}; }
 };
 
-/// On the true surface F = 0 of a scene, within its options' tolerance: spread over its mesh, and moved along the
-/// normals of that by up to a voxel. The normals are those of the mesh, as the true surface may have none. The points
-/// have the attributes of the scene's options, computed at the points.
+/// Makes points on the true surface F = 0 of a scene, within the tolerance of its options. They are spread over the
+/// mesh and then moved along its normals by up to a voxel. They have the normals of the mesh, because the true surface
+/// may have none, and the attributes that the scene's options name.
 /// @throw as fractalMesh(), pointsBySpacing() and pointsByCount()
 OrientedPoints fractalPoints(const Scene& scene, const PointsOptions& options, Monitor& monitor);
 
-/// On a mesh. What the mesh has at its points is carried over: red, green and blue together as the colour Cd, other
-/// numbers under their names.
+/// Makes points on a mesh. The attributes of the mesh are carried over: red, green and blue together as the colour Cd,
+/// other numbers under their names.
 /// @throw as pointsBySpacing() and pointsByCount()
 OrientedPoints meshPoints(Mesh mesh, const PointsOptions& options, Monitor& monitor);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file sdf_job.h
-/// Mesh -> signed distance field, as `juliavdb sdf` does it; or a level set -> the same with another band.
+/// Converts a mesh to a signed distance field, or gives a level set another band, as `juliavdb sdf` does.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -24,13 +24,13 @@ namespace vdbtools {
 struct SdfOptions {
   std::filesystem::path input;
   std::shared_ptr<const Mesh> mesh{};  ///< a mesh in memory, for which nothing is read; input is its name
-  std::string grid{};                  ///< of a VDB; empty: its only one
+  std::string grid{};                  ///< the grid of a VDB; empty: its only grid
   VoxelChoice voxels;
   MendOptions mend;
   double band = 3;  ///< voxels on each side, above 1
   bool half = false;
   FileAxes axes;
-  GridNames gridNames{};  ///< of the one grid, which is called "phi"
+  GridNames gridNames{};  ///< for the only grid of the file, whose own name is "phi"
 };
 
 OptionTable sdfOptionTable();

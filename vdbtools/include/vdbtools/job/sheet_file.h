@@ -17,36 +17,37 @@ struct SheetCell {
   Recipe varied;      ///< the varied options alone
   Recipe recipe;      ///< complete, with the hashes of its files where these could be read
   std::string error;  ///< why there is no picture; empty: there is one
-  std::string finer;  ///< what the picture shows and the voxels of the recipe do not; empty: little or nothing
-  /// Where the picture is seen from and in which light, complete, as options of `render`; empty where these are
-  /// refused.
+  std::string
+      finer;  ///< a sentence about what the picture shows but the voxels of the recipe do not; empty: little or nothing
+  /// The camera and the light of the picture, complete, as options of `render`; empty if these are refused.
   Recipe view{};
 };
 
 struct Sheet {
   std::vector<VariedOption> varied;
   int rows = 0, columns = 0;
-  Recipe view;                   ///< what the pictures are taken with, complete but for what varies
+  Recipe view;                   ///< the camera and the light of all pictures, complete except for varied options
   std::vector<SheetCell> cells;  ///< row by row
 };
 
 std::string encodeSheet(const Sheet& sheet);
 
-/// Whether the file holds a contact sheet; false also where it cannot be read.
+/// Whether the file is a contact sheet. Also false if it cannot be read.
 bool isSheetFile(const std::filesystem::path& path);
 
-/// Whether a name is one that readSheetCell() takes: "sheet.json#7", or "sheet.json", which lacks the cell.
+/// Whether a name has the form that readSheetCell() takes: "sheet.json#7", or "sheet.json" without the number of a
+/// cell.
 bool isSheetCell(const std::string& name);
-/// The name of the sheet alone, "sheet.json".
+/// The name without the number of the cell: "sheet.json".
 std::string sheetOfCell(const std::string& name);
 
 /// Every cell of a contact sheet, row by row.
-/// @throw DataError  the file is no contact sheet, or broken; MissingInputError, IoError
+/// @throw DataError  the file is not a contact sheet, or broken; MissingInputError, IoError
 std::vector<SheetCell> readSheetCells(const std::filesystem::path& path);
 
 /// @param name  such as "sheet.json#7"
-/// @throw std::invalid_argument  no number, or none of a cell
-/// @throw DataError              the file is no contact sheet, or broken
+/// @throw std::invalid_argument  the number is missing, or there is no cell with this number
+/// @throw DataError              the file is not a contact sheet, or broken
 /// @throw MissingInputError, IoError
 SheetCell readSheetCell(const std::string& name);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file device_choice.h
-/// Where the process evaluates maps, as --device says it.
+/// Chooses where the process evaluates maps, as --device does.
 #pragma once
 
 #include "julia/device/device.h"
@@ -10,15 +10,15 @@
 
 namespace vdbtools {
 
-/// No device can be used: the text says why for each.
+/// No device can be used. The message gives the reason for each of them.
 class DeviceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Makes a device that of the process: "cpu" for none, "opencl" for the first one that can be used, a graphics
-/// processor before any other, "opencl:N" for number N of julia::openDevices(), and "auto" for the first graphics
-/// processor that can be used, or none.
-/// @param notice  receives later what happens to the device
+/// Sets the device of the process: "cpu" for none, "opencl" for the first one that can be used, a graphics processor
+/// before any other, "opencl:N" for number N of julia::openDevices(), and "auto" for the first graphics processor that
+/// can be used, or none.
+/// @param notice  called later if something happens to the device
 /// @return a sentence about where maps are evaluated; empty for "cpu"
 /// @throw std::invalid_argument  no such choice, or no such number
 /// @throw DeviceError            no device can be used

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file direction_grids.h
-/// Directions that a VDB holds, as artists make them: a grid of vectors, or three or four grids of floats.
+/// Reads directions from a VDB, in the forms in which artists make them: a grid of vectors, or three or four grids of
+/// floats.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -14,7 +15,7 @@ namespace vdbtools {
 struct DirectionGrids {
   std::vector<openvdb::FloatGrid::Ptr> components;  ///< three or four, on one lattice
   std::string name;                                 ///< for errors: "'v' of 'wind.vdb'"
-  /// Beyond these nodes the nearest of them counts.
+  /// A point outside these nodes gets the direction of the nearest of them.
   openvdb::CoordBBox nodes{};
 };
 
@@ -25,11 +26,11 @@ struct DirectionGrids {
 DirectionGrids readDirectionGrids(const std::filesystem::path& path, const std::vector<std::string>& names,
                                   const std::string& option);
 
-/// The grids with a direction wherever a target reads them: where they are sparse, the nodes about the target that have
-/// none get smooth means of those that have. What is given stays as it is.
+/// Extends the grids so that there is a direction wherever a target reads them: nodes about the target that have none
+/// get smooth means of those that have one. Given directions stay unchanged.
 /// @param box  of the target, world units
 /// @throw DataError    no direction near the target, or a cell of eight nodes there that are all 0
-/// @throw MemoryError  more nodes than there is memory for
+/// the nodes would take more memory than is left
 DirectionGrids filledAbout(const DirectionGrids& grids, const openvdb::BBoxd& box, const std::string& option);
 
 }  // namespace vdbtools

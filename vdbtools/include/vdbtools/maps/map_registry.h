@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file map_registry.h
-/// The maps that a program knows, as a value: the command line, recipes and jobs are given one.
+/// The maps that a program knows. The command line, recipes and jobs receive a registry as an argument.
 #pragma once
 
 #include "vdbtools/maps/map_descriptor.h"
@@ -20,11 +20,11 @@ class MapRegistry {
   /// @throw std::invalid_argument  there is a map of that name already
   void add(Descriptor map);
 
-  /// nullptr if there is none of that name.
+  /// Returns nullptr if there is no map of that name.
   const MapDescriptor* find(const std::string& name) const;
   const std::vector<Descriptor>& maps() const { return mMaps; }  ///< in the order in which they were added
 
-  /// --map itself, whose default is the first map.
+  /// The option --map. Its default is the first map.
   OptionSpec option() const;
   /// The maps as variants of a table whose selector is that option.
   std::vector<OptionVariant> variants() const;
@@ -33,15 +33,16 @@ class MapRegistry {
   std::vector<Descriptor> mMaps;
 };
 
-/// Directions at points, world units: three numbers a point, a vector in space, or four, a quaternion. Called in many
-/// threads at once; the same point must always have the same direction.
+/// Returns the directions at points, world units: three numbers per point for a vector in space, or four for a
+/// quaternion. Many threads may call it at once; the same point must always get the same direction.
 using VersorFunction = std::function<std::vector<double>(std::span<const openvdb::Vec3d> points)>;
 
-/// shape-modulus, rational, quadratic, cross and mandelbulb.
-/// @param function  the program's own versor, which --texture function names; none: that is refused
+/// The maps shape-modulus, rational, quadratic, cross and mandelbulb.
+/// @param function  the calling program's own versor, which --texture function selects; if empty, that texture is
+///                  refused
 MapRegistry builtInMaps(const VersorFunction& function = {});
 
-/// docs/maps.md: the maps, what they need and their options, as Markdown.
+/// The page docs/maps.md: the maps, what they need and their options, as Markdown.
 std::string mapsPage(const MapRegistry& maps);
 
 }  // namespace vdbtools

@@ -22,47 +22,47 @@ namespace vdbtools {
 /// Rings at points on a line through the dynamics' origin, or at the origin alone where the axis turns from factor to
 /// factor.
 struct Strand {
-  int count = 1;                          ///< of points or of axes
-  int power = 1;                          ///< at each: julia::appendRings()
-  julia::Point axis{1, 0, 0};             ///< of the rings, and of the line
-  double length = 0;                      ///< of the line
-  std::optional<julia::Point> towards{};  ///< where to the axis turns; then there is no line
+  int count = 1;                          ///< number of points, or of axes
+  int power = 1;                          ///< the power at each of them: julia::appendRings()
+  julia::Point axis{1, 0, 0};             ///< direction of the first rings, and of the line
+  double length = 0;                      ///< length of the line
+  std::optional<julia::Point> towards{};  ///< the direction towards which the axis turns; without a line then
   double angle = 0;                       ///< radians from one factor to the next
 };
 
 /// One factor of a texture of waves (julia/wave_versor.h).
 struct WaveStrand {
-  int count = 1;                    ///< of waves: one makes bands, many make a field of roots and poles
+  int count = 1;                    ///< number of waves: one makes bands, many make a field of roots and poles
   int power = 1;                    ///< as julia::WaveFactor
-  julia::Point frequency{1, 1, 1};  ///< of bands, along X, Y and Z; of many waves, by what theirs are multiplied
+  julia::Point frequency{1, 1, 1};  ///< for bands, along X, Y and Z; for many waves, a factor of their frequencies
   double fourth = 1;                ///< the same along the fourth component; bands do not depend on it
-  julia::Point turn{1, 0, 0};       ///< of bands: the imaginary axis of their turn, of length 1
-  std::uint64_t stream = 1;         ///< of many: tells apart what the seed gives to the strands
+  julia::Point turn{1, 0, 0};       ///< for bands, the imaginary axis about which they turn, of length 1
+  std::uint64_t stream = 1;         ///< for many waves, gives strands of one seed different random numbers
 };
 
 struct Texture {
   std::string name{};         ///< one word
   std::string description{};  ///< one sentence
-  /// Of roots: as large everywhere as it is at its place.
+  /// Strands of roots, whose features have the scale of the target where the roots lie.
   std::vector<Strand> strands{};
-  /// Of waves, instead: it follows the target's local thickness.
+  /// Alternatively, factors of waves, whose features follow the target's local thickness.
   std::vector<WaveStrand> waves{};
 
   bool followsThickness() const { return !waves.empty(); }
-  /// Whether a seed changes it.
+  /// Whether the seed has an effect.
   bool varies() const;
 };
 
-/// All of them, in the order of the documentation.
+/// All textures, in the order of the documentation.
 const std::vector<Texture>& textureShelf();
-/// nullptr: there is none of that name.
+/// Returns nullptr if there is no texture of that name.
 const Texture* findTexture(const std::string& name);
-/// The one that a fractal has without any option: the one that serves most shapes best.
+/// The texture of a fractal without any option: the one that suits most shapes best.
 const Texture& defaultTexture();
 
-/// The waves of a texture that has them, along the axes of the target.
+/// The waves of a texture that consists of waves, along the axes of the target.
 julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed);
-/// Such waves where an embedding has those axes. @param scale  by what their lengths are multiplied, not 0
+/// Moves such waves to the axes of an embedding. @param scale  factor of their lengths, not 0
 julia::WaveTexture placedWaves(julia::WaveTexture waves, double scale, const julia::Embedding& embedding);
 
 /// The texture's roots; C makes the moduli of its constant factors 1.

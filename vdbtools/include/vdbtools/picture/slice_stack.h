@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file slice_stack.h
-/// Stacks of slices: a field at the centres of cubic voxels, a grey picture for each layer of them. The numbers are
-/// data for other programs, not colours: no gradient, no line at the surface, no curve of a screen.
+/// Stacks of slices: the values of a field at the centres of cubic voxels, as one grey picture for each layer. The
+/// numbers are data for other programs, not colours, so there is no gradient, no line at the surface and no transfer
+/// function.
 #pragma once
 
 #include "vdbtools/base/length_unit.h"
@@ -55,13 +56,13 @@ SliceCodes versorCodes(const SlicePlane& plane, std::span<const openvdb::Vec3s> 
 /// The size of the voxels of a stack.
 struct SliceVoxels {
   double size = 1;                   ///< world units
-  std::optional<LengthUnit> unit{};  ///< of these; none: nobody has said
+  std::optional<LengthUnit> unit{};  ///< the unit of the size; empty: unknown
 };
 
-/// Encodes a layer as the bytes of a PNG or a TIFF. The resolution of the file says the size of the voxels: in pixels a
-/// centimetre (TIFF) or a metre (PNG) if their unit is known. If it is not, a TIFF has pixels of a unit that it does
-/// not name, and a PNG nothing. The description of a TIFF says unit and distance of layers as ImageJ and Fiji read
-/// them. The same layer gives the same bytes.
+/// Encodes a layer as the bytes of a PNG or a TIFF. If the unit of the voxels is known, the file's resolution is their
+/// number per centimetre (TIFF) or per metre (PNG). If it is not, a TIFF has a resolution without a unit, and a PNG has
+/// none. The description of a TIFF gives the unit and the distance between layers in the form that ImageJ and Fiji
+/// read. The same layer gives the same bytes.
 /// @param extension  png, tif or tiff, with or without its dot
 /// @throw std::invalid_argument  another extension
 /// @throw IoError                OpenImageIO cannot encode it

@@ -21,7 +21,7 @@ namespace vdbtools {
 /// @param wanted  what follows "it must be"
 [[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted);
 
-/// Of a value that is none of some words, with the one that was probably meant.
+/// Refuses a value that is none of the allowed words, and suggests the word that was probably meant.
 [[noreturn]] void refuseChoice(const std::string& option, const std::string& text,
                                std::span<const std::string> choices);
 

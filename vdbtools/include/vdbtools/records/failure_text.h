@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file failure_text.h
-/// What a failure is called where there are options: the exception's text, and the option that would help. The program
-/// and the Python module say the same.
+/// The messages of errors for front ends with options: the text of the exception, and the option that would help. The
+/// program and the Python module use the same messages.
 #pragma once
 
 #include "vdbtools/base/errors.h"
@@ -11,13 +11,13 @@
 
 namespace vdbtools {
 
-/// The text of the exception, and behind it the options that do what its Remedy asks for.
+/// The text of the exception, followed by the options that do what its Remedy asks for.
 std::string failureText(const DataError& error);
 
-/// The text of the exception, and the options that make the work smaller.
+/// The text of the exception, followed by the options that make the work smaller.
 std::string failureText(const MemoryError& error);
 
-/// Of any other std::bad_alloc.
+/// The message for any other std::bad_alloc.
 inline constexpr const char* kOutOfMemory = "out of memory; use larger voxels, a lower --sdf-resolution, or a --box";
 
 }  // namespace vdbtools

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file recorded_files.h
-/// Where the files of a recorded recipe are today. A recipe has their names as they were typed, which mean something
-/// only in the folder of that time; their SHA-256 tells whether a file of the same name elsewhere is the same.
+/// Finds the files of a recorded recipe where they are today. A recipe has their names as they were typed, which are
+/// meaningful only in the working folder of that time; their SHA-256 identifies them wherever they are.
 #pragma once
 
 #include "vdbtools/files/input_files.h"
@@ -15,33 +15,34 @@
 namespace vdbtools {
 
 struct FileSearch {
-  std::filesystem::path holder;                ///< the file that has the recipe; a cell of a sheet is one, too
-  std::vector<std::filesystem::path> folders;  ///< to look in besides
-  std::string wayOut;                          ///< what else the user can do, for the error: ", or ..."
+  std::filesystem::path holder;                ///< the file that contains the recipe, or the name of a cell of a sheet
+  std::vector<std::filesystem::path> folders;  ///< further folders to search
+  std::string wayOut;  ///< what else the user can do, as the end of the error message: ", or ..."
 };
 
 struct FoundFiles {
   struct Entry {
     std::filesystem::path recorded, found;
   };
-  Recipe recipe;                 ///< with the names under which the files are found, for opening them
-  std::vector<Entry> elsewhere;  ///< those that are not where the recipe says
+  Recipe recipe;                 ///< names the files where they were found, so that they can be opened
+  std::vector<Entry> elsewhere;  ///< the files that were not found under their recorded names
 };
 
-/// Looks for each file of which the recipe has the SHA-256, and takes only a file that has it: where the recipe says,
-/// from the working folder and from the holder's; then a file of that name in the holder's folder and in @a folders;
-/// and then, by its hash alone, any file in @a folders, or below, with the same extension. A file that is where the
-/// recipe says but has changed, and is not found elsewhere, keeps its name: who opens it refuses it.
-/// @param recipe  of a fractal
-/// @throw MissingInputError      a file is nowhere
-/// @throw std::invalid_argument  an option is refused, one of the folders is none, or a file was found under a name
-///                               that cannot stand in the recipe
+/// Finds each file whose SHA-256 the recipe has, and accepts only a file with that hash. It looks under the recorded
+/// name, from the working folder and from the holder's folder; then for a file of that name in the holder's folder and
+/// in the given folders; and finally, by its hash alone, for any file with the same extension in or below the given
+/// folders. A file that exists under its recorded name with other content, and is not found elsewhere, keeps its name,
+/// and is refused when it is opened.
+/// @param recipe  the recipe of a fractal
+/// @throw MissingInputError      a file was not found
+/// @throw std::invalid_argument  an option is refused, a folder to search is not a folder, or a file was found under a
+///                               name that cannot be written in a recipe
 FoundFiles findRecordedFiles(const Recipe& recipe, const FileSearch& search, const MapRegistry& maps = builtInMaps());
 
-/// With the files that the recipes in @a inputs name, and those that the recipes in these name: whoever reads only the
-/// voxels of a fractal still has its target. Of each, every file that findRecordedFiles() would look at without
-/// folders; their hashes are not asked for. An input that cannot be read, or whose recipe is broken, is left to its
-/// readers.
+/// Adds to @a inputs the files that the recipes in them name, and those that the recipes in these files name, so that
+/// no output replaces the target of a fractal of which only the voxels are read. For each recorded name, all files at
+/// the places where findRecordedFiles() would look without folders are added, without checking their hashes. Inputs
+/// that cannot be read, or whose recipe is broken, are skipped here; the code that reads them reports the error.
 InputFiles withRecordedFiles(InputFiles inputs, const MapRegistry& maps = builtInMaps());
 
 }  // namespace vdbtools

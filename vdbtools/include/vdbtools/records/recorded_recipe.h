@@ -3,7 +3,7 @@
 /// The room `records` finds what a file of the program records: its recipe, and where that recipe's files are now. It
 /// uses the rooms up to `job`.
 ///
-/// The recipes in files that the program made.
+/// This header reads the recipes in files that the program made.
 #pragma once
 
 #include "vdbtools/maps/map_registry.h"
@@ -20,27 +20,27 @@ struct RecordedRecipe {
   Recipe recipe;
 };
 
-/// What metadata say, as it stands there.
+/// The recipe in metadata, unchanged.
 RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata,
                               const MapRegistry& maps = builtInMaps());
 
-/// Whether a file is a recipe by itself, as encodeRecipe() makes it. The name has to end in .json.
+/// Whether a file is a recipe by itself, as encodeRecipe() makes it. Its name has to end in .json.
 bool isRecipeFile(const std::filesystem::path& path);
 
-/// What is wrong with a file in which there is no recipe.
+/// The error message for a file without a recipe.
 std::string noRecipeText(const std::filesystem::path& path);
 
-/// A recipe as a file of its own: JSON with the command, and each entry as a text.
+/// Encodes a recipe as a file of its own: JSON with the command, and each entry as text.
 std::string encodeRecipe(const RecordedRecipe& recorded);
 
-/// The same of a VDB, PLY, OBJ or GLB, of a recipe file, or of a cell of a contact sheet ("sheet.json#7", see
-/// sheet_file.h), checked: its options can be used.
+/// Reads the recipe from a VDB, PLY, OBJ or GLB, a recipe file, or a cell of a contact sheet ("sheet.json#7", see
+/// sheet_file.h), and checks that its options are valid.
 /// @throw DataError  an entry is broken; MissingInputError, IoError
 /// @throw std::invalid_argument  there is no such cell
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps = builtInMaps());
 
-/// Where a cell of a contact sheet is seen from and in which light, by pictureOptionSpecs(), checked. Empty for any
-/// other file, and for sheets that do not say it.
+/// The camera and the light of a cell of a contact sheet, as options of pictureOptionSpecs(), checked. Empty for any
+/// other file, and for sheets that do not record them.
 /// @throw as readRecordedRecipe()
 Recipe readRecordedView(const std::filesystem::path& path);
 

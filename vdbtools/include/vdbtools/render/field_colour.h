@@ -81,7 +81,7 @@ std::vector<double> trapRadii(const julia::FieldEvaluator& evaluator, std::span<
 std::vector<double> meanIterations(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points,
                                    double step);
 
-/// What --colour says, before any file is read.
+/// The value of --colour, before any file is read.
 struct ColourChoice {
   FieldColour by = FieldColour::Direction;
   std::string gradient{};                ///< the name of a gradient or a list of colours; empty: the default gradient

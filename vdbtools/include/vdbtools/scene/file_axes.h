@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file file_axes.h
-/// Which axis points up in the target and in the files that are made of it, and in which unit their coordinates are.
+/// The axis that points up in the target and in the files that are made from it, and the unit of their coordinates.
 #pragma once
 
 #include "vdbtools/base/length_unit.h"
@@ -17,20 +17,20 @@
 
 namespace vdbtools {
 
-/// The metadata that names the axis which points up in a file, "y" or "z".
+/// The metadata entry that names the axis which points up in a file, "y" or "z".
 inline constexpr const char* kUpAxis = "julia_up_axis";
 
 enum class UpRule {
   Keep,  ///< as in the target, except in GLB, whose specification has Y up
   Y,
   Z,
-  Auto,  ///< as most readers of the format take it without being told: PLY and STL have Z up, all others Y
+  Auto,  ///< as most readers of the format assume: Z up in PLY and STL, Y up in all others
 };
 
 struct FileAxes {
   UpAxis target = UpAxis::Y;  ///< of the target's own coordinates, in which the fractal is made
   UpRule rule = UpRule::Keep;
-  std::optional<LengthUnit> unit{};  ///< of the target's coordinates, where --units says it
+  std::optional<LengthUnit> unit{};  ///< of the target's coordinates, if --units gives it
 
   UpAxis ofVdb() const;
   UpAxis ofMesh(MeshFormat format) const;
@@ -52,22 +52,24 @@ UpAxis recordedUpAxis(const std::map<std::string, std::string>& metadata, UpAxis
 
 /// The unit that metadata name, if they name one. @throw DataError  the entry is no unit
 std::optional<LengthUnit> recordedUnit(const std::map<std::string, std::string>& metadata);
-/// The unit of the target of which files are made: the one that was asked for, or else the one that was found out.
+/// The unit of the target: the requested one, or else the one in its metadata.
 std::optional<LengthUnit> unitOfTarget(const FileAxes& axes, const std::map<std::string, std::string>& metadata);
-/// The unit that a VDB or mesh of this program names. None of other files: they may have one, but do not say so here.
+/// The unit that a VDB or a mesh of this program records. Empty for other files, which do not record their unit in this
+/// way.
 /// @throw what reading the beginning of the file throws
 std::optional<LengthUnit> unitOfFile(const std::filesystem::path& path);
-/// The unit of a file's coordinates: the one that it names itself, or else the one that was asked for.
+/// The unit of a file's coordinates: the one that it records, or else the requested one.
 /// @throw std::invalid_argument  the two differ
 std::optional<LengthUnit> agreedUnit(std::optional<LengthUnit> asked, std::optional<LengthUnit> recorded,
                                      const std::filesystem::path& path);
 
-/// Lets the file of a mesh say its unit; a GLB is scaled to metres. @param unit  of the mesh
+/// Records the unit in a mesh file; a GLB is also scaled to metres. @param unit  of the mesh
 void setUnit(MeshWriteOptions& options, LengthUnit unit);
 
-/// What turns a file's content from the target's coordinates to its own, with the metadata, and with the axis and the
-/// unit among them. The unit of the target is that of the axes, or else that of the metadata. Without one, nothing is
-/// said; with one, a GLB is scaled to metres, and all other files keep the coordinates.
+/// The options that convert a file's content from the target's coordinates to those of the file. Its metadata are the
+/// given ones, and the axis and the unit. The unit of the target is that of the axes, or else that of the metadata. If
+/// neither has one, none is recorded. If there is one, a GLB is scaled to metres, and all other files keep the
+/// coordinates.
 VdbWriteOptions vdbWriteOptions(const FileAxes& axes, std::map<std::string, std::string> metadata);
 MeshWriteOptions meshWriteOptions(MeshFormat format, const FileAxes& axes, std::map<std::string, std::string> metadata);
 

@@ -13,19 +13,19 @@
 
 namespace vdbtools {
 
-/// The names of grids in a file by those that this program gives them; a grid that is not there keeps its name.
+/// The names that grids get in a file, by the program's own names; grids that are not listed keep theirs.
 using GridNames = std::map<std::string, std::string>;
 
 /// --grid-names: a program, or pairs such as trap=temperature, or both, with commas between them.
 OptionSpec gridNamesOption();
 
 /// @param text   the value of --grid-names; empty: all grids keep their names
-/// @param grids  that are made, by the program's own names
+/// @param grids  the grids that are made, by the program's own names
 /// @throw std::invalid_argument  no such program; a pair for a grid that is not made; two grids that would have one
 ///                               name
 GridNames parseGridNames(const std::string& text, std::span<const std::string> grids);
 
-/// The metadata of a file in which the grid of distances called @a own has another name; empty where it has not.
+/// The metadata of a file in which the grid of distances called @a own has another name; empty if it has not.
 std::map<std::string, std::string> distanceGridMetadata(const GridNames& names, const std::string& own);
 
 }  // namespace vdbtools

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file grid_plan.h
-/// Which grids are made of a fractal, and what they need. One run, the tasks of a farm and their merging all go by it.
+/// Which grids are made of a fractal, and what they need. A single run, the tasks of a farm and their merging use the
+/// same plan.
 #pragma once
 
 #include "vdbtools/field/fractal_field.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file prepared_scene.h
-/// What a scene takes long to make of its target, kept in a file: the distances, the exponent, and the numbers that
-/// were found on the way. A scene that is read from it evaluates the same bits.
+/// Stores in a file what takes long to compute of a scene: the distances, the exponent, and the numbers that were found
+/// on the way. A scene that is read from the file evaluates to the same bits.
 #pragma once
 
 #include "vdbtools/scene/scene.h"
@@ -15,8 +15,8 @@ namespace vdbtools {
 /// scene has them.
 std::string encodePreparedScene(const Scene& scene);
 
-/// The scene again, without SceneShell::made. The target's mesh, the controls and their files are not opened.
-/// @param options  those that the scene was made with
+/// Reads the scene back, without SceneShell::made. The target's mesh, the controls and their files are not opened.
+/// @param options  the options from which the scene was made
 /// @throw MissingInputError, DataError, IoError
 Scene readPreparedScene(const FractalOptions& options, const std::filesystem::path& path);
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file slice_frame.h
-/// What a picture of a plane through a scene shows.
+/// The part of a scene that a picture of a plane shows.
 #pragma once
 
 #include "vdbtools/scene/scene.h"
 
 namespace vdbtools {
 
-/// The scene's box, or its target with some air, world units. A plane shows the rectangle that it cuts out of this.
+/// The scene's box, or its target with a margin, world units. A picture shows the rectangle that its plane cuts out of
+/// this box.
 openvdb::BBoxd sliceFrame(const Scene& scene);
 
 }  // namespace vdbtools

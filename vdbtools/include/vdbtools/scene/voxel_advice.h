@@ -11,43 +11,44 @@
 
 namespace vdbtools {
 
-/// Of the texture, this share may be finer than two voxels where voxels are said to do; of the core, this one.
+/// Voxels are fine enough if no more than these fractions of the texture and of the core are finer than two voxels.
 inline constexpr double kTextureLeftOut = 0.1, kCoreLeftOut = 0.02;
-/// From these shares on it is worth saying that something is finer than two voxels.
+/// From these fractions on, it is reported that the texture or the core is finer than two voxels.
 inline constexpr double kTextureWorthSaying = 0.25, kCoreWorthSaying = 0.03;
 
-/// Two voxels are what a lattice needs to show a wave, or to be sure to have a node in a wall.
+/// How much of a scene is finer than two voxels, which a lattice needs to show a wave, or to have a node in every wall.
 struct VoxelAdvice {
-  double textureShare = 0;  ///< of the surface where the texture is narrower than two voxels, 0 to 1
-  double coreShare = 0;     ///< of the surface where the core that is promised is thinner than two voxels, 0 to 1
-  /// The voxels that would do, world units: for all but kTextureLeftOut of the texture, and for all but kCoreLeftOut of
-  /// the core where there is one. None where none would.
+  double textureShare = 0;  ///< fraction of the surface where the texture is narrower than two voxels
+  double coreShare = 0;     ///< fraction of the surface where the guaranteed core is thinner than two voxels
+  /// The voxels that are fine enough, world units: for all but kTextureLeftOut of the texture, and for all but
+  /// kCoreLeftOut of the core, if there is one. Empty if no voxels are.
   std::optional<double> textureVoxel{}, coreVoxel{};
 };
 
 /// @param voxel  world units
 VoxelAdvice adviseVoxels(const FeatureSizes& sizes, double voxel);
 
-/// A sentence about what is finer than a scene's voxels, with options that would do; empty if it is little, or if
-/// nothing was measured.
+/// A sentence about what is finer than a scene's voxels, with options that would show it; empty if that is little, or
+/// if nothing was measured.
 std::string finerThanVoxelsText(const Scene& scene);
 
-/// A sentence for a scene in whose voxels floats, which were asked for, are wrong; empty for any other.
+/// A warning if floats were requested although they are wrong for the scene's voxels; otherwise empty.
 std::string coarseFloatsText(const Scene& scene);
 
-/// How `--resolution auto` came to its number: "resolution 440: ..."; empty for a scene whose resolution was given.
+/// How the number of `--resolution auto` was chosen: "resolution 440: ..."; empty for a scene whose resolution was
+/// given.
 std::string chosenResolutionText(const Scene& scene);
 
-/// A sentence about distances finer than usual, which thin parts of the target need; empty if they are the usual ones.
+/// A sentence about distances that are finer than usual because thin parts of the target need them; otherwise empty.
 std::string chosenSdfResolutionText(const Scene& scene);
 
-/// The number that `--resolution auto` stands for, a multiple of 10: the least one whose voxels would do by
-/// adviseVoxels(), and 300 to 1000 voxels along the longest side of the target or of the box, as far as memory allows.
-/// A core that needs more than 1000 is left out of account.
-/// @param scene  made as far as its features; its options' box counts
+/// The number that replaces `--resolution auto`, a multiple of 10: the smallest one whose voxels are fine enough
+/// according to adviseVoxels(), between 300 and 1000 voxels along the longest side of the target or of the box, as far
+/// as memory allows. A core that needs more than 1000 is ignored.
+/// @param scene  complete up to its features; the box of its options is used
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory);
 
-/// What a run needs at most, about: for its mesh and its level set at this voxel size; bytes.
+/// Estimates the most memory that a run needs for its mesh and its level set at this voxel size, bytes.
 double estimatedMemory(const Scene& scene, double voxel);
 
 }  // namespace vdbtools

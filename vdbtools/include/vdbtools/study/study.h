@@ -2,9 +2,10 @@
 /// @file study.h
 /// The room `study` measures fractals as [SK23] does: likelihoods, circles, dimensions. It uses the rooms up to `job`.
 ///
-/// What a target alone decides about its fractals, whatever the versor ([SK23] 3.3.1, Fig. 8): the likelihood that a
-/// point lies in the set, counted over many random versors, and the target's distance on circles about the origin of
-/// the dynamics. Where alpha (phi - beta) is low or high enough, the target decides; in between, the versor does.
+/// This header measures what a target alone decides about its fractals, whatever the versor ([SK23] 3.3.1, Fig. 8): the
+/// likelihood that a point lies in the set, counted over many random versors, and the target's distance on circles
+/// about the origin of the dynamics. Where alpha (phi - beta) is low or high enough, the target decides; in between,
+/// the versor does.
 #pragma once
 
 #include "vdbtools/job/fractal_job.h"

@@ -11,8 +11,8 @@
 namespace vdbtools {
 
 /// Writes a package of one scene. The same scene gives the same bytes.
-/// @param name        of the scene in the package, which ends with .usda
-/// @param writeScene  writes its text
+/// @param name        the file name of the scene in the package, ending in .usda
+/// @param writeScene  writes the text of the scene
 /// @throw DataError   the text is 4 GiB or longer, for which such archives have no room
 void writeUsdPackage(std::ostream& stream, const std::string& name,
                      const std::function<void(std::ostream&)>& writeScene);

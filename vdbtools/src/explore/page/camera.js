@@ -37,21 +37,22 @@ export function turnedView(view, right, up) {
   return placed(view, { ...angles, azimuth: angles.azimuth - right, elevation: angles.elevation + up });
 }
 
-// factor: of the distance; below 1 comes nearer.
+// factor: of the distance; below 1 moves nearer.
 export function nearerView(view, factor) {
   const angles = anglesOf(view);
   return placed(view, { ...angles, distance: angles.distance * factor });
 }
 
-// By shares of the picture's height.
+// right, up: shares of the picture's height.
 export function movedView(view, right, up) {
   const frame = cameraFrame(view), height = 2 * frame.tangent * Math.hypot(...minus(view.eye, view.lookAt));
   const by = plus(times(frame.right, right * height), times(frame.up, up * height));
   return { ...view, eye: plus(view.eye, by), lookAt: plus(view.lookAt, by) };
 }
 
-// Calls change(view, isMoving) while a pointer drags in the element, and for its keys. get() gives the present view.
-// dragged(right, up) may take a drag for itself: shares of the height, and true if it does.
+// Calls change(view, isMoving) while a pointer drags in the element, and for the camera's keys. get() returns the
+// current view.
+// dragged(right, up), in shares of the height, may use a drag for something else; it then returns true.
 export function attachCamera(element, { get, change, reset, dragged }) {
   const pointers = new Map();
   let spread = 0, wheel = 0;

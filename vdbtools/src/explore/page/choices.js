@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen looks over the stage, to choose from: each can be used, kept, compared with others, or varied again. Every
-// such page of looks stays as it is, so that going back shows it again at once.
+// Sixteen looks over the stage, to choose from: each can be used, kept, compared with others, or varied again. Each
+// such page of looks is kept, so that going back shows it again at once.
 import { nearerView } from "./camera.js";
 import { EVERYTHING, recipeKey } from "./variations.js";
 import { button, element } from "./widgets.js";
@@ -33,7 +33,7 @@ export class Choices {
 
   // ---- pages of looks ----
 
-  // Sixteen looks around the one at hand.
+  // Sixteen looks around the current one.
   show(name, label) {
     const state = structuredClone(this.page.store.state);
     this.push({ name, generation: 0, title: label, state, looks: this.page.variations.around(name, state.recipe) });
@@ -120,7 +120,7 @@ export class Choices {
     cell.canvas = element("canvas", { width: 1, height: 1, "aria-hidden": "true" });
     cell.picture = button("", () => this.use(cell), { class: "choice-picture", "aria-label": `Use ${label}`, title: `${label}: use this look (Enter)` });
     cell.error = element("span", { class: "choice-error", role: "status", hidden: true });
-    // All that a neighbour has of its own would hide the picture: it is shown where somebody points.
+    // The differences of a neighbour would hide its picture, so they are shown only under the pointer.
     const short = one.name === EVERYTHING && !one.isComparison ? element("span", { class: "choice-label short" }, String(i + 1)) : null;
     cell.picture.append(cell.canvas, ...(short ? [short] : []), element("span", { class: `choice-label ${short ? "long" : ""}` }, label), cell.error);
     cell.keep = button("Keep", () => this.keep(cell, one), { "aria-pressed": "false", "aria-label": `Keep ${label}`, title: "K" });
@@ -154,7 +154,7 @@ export class Choices {
     this.update();
   }
 
-  // What the buttons say.
+  // The texts of the buttons.
   update() {
     if (!this.top) return;
     for (const cell of this.top.cells) {
@@ -172,7 +172,7 @@ export class Choices {
 
   // ---- keys ----
 
-  // One look at a time is reached by Tab; the arrows go to the others.
+  // Tab reaches one look; the arrow keys go on to the others.
   reach(cell) {
     this.top.at = Math.max(0, this.top.cells.indexOf(cell));
     this.top.cells.forEach((one, i) => { for (const each of one.buttons) each.tabIndex = i === this.top.at ? 0 : -1; });
@@ -206,17 +206,17 @@ export class Choices {
 
   // ---- pictures ----
 
-  // Those that are not there yet, one after another. The scene of the next one is asked for meanwhile.
+  // Makes the missing pictures, one after another. The scene of the next one is requested meanwhile.
   async draw(one) {
     const { page } = this, mine = ++this.run, { signal } = this.asking = new AbortController();
     const ratio = Math.min(2, window.devicePixelRatio || 1), cells = one.cells.filter((cell) => !cell.isDone);
     const isLive = !one.isComparison && page.variations.isLive(one.name) && recipeKey(one.state.recipe) === recipeKey(page.store.state.recipe);
     const sceneOf = (cell) => {
       if (!cell || isLive && page.scene()) return cell && Promise.resolve(page.scene());
-      // No more places of the exponent than the picture shows.
+      // The exponent needs no more nodes than the picture can show.
       const side = Math.min(256, Math.max(64, 32 * Math.ceil(cell.canvas.clientHeight * ratio / 32)));
       const scene = page.isExported ? Promise.resolve(page.scene()) : page.sceneFor(cell.recipe, side, signal);
-      scene.catch(() => {});  // told where it is awaited
+      scene.catch(() => {});  // reported where it is awaited
       return scene;
     };
     let next = sceneOf(cells[0]);
@@ -229,7 +229,7 @@ export class Choices {
         if (mine !== this.run) return;
         const { canvas } = cell, shrink = Math.min(ratio, MOST_SIDE / Math.max(1, canvas.clientWidth, canvas.clientHeight));
         const width = Math.max(16, Math.round(canvas.clientWidth * shrink)), height = Math.max(16, Math.round(canvas.clientHeight * shrink));
-        // A narrow picture is seen from farther away: nothing at the sides is lost.
+        // A narrow picture is seen from farther away, so that nothing at the sides is lost.
         const shot = page.shotOf(scene, { ...one.state, recipe: cell.recipe }), aspect = Math.min(1, page.stage.aspect);
         if (width / height < aspect) shot.view = nearerView(shot.view, aspect * height / width);
         const made = await page.stage.drawSmall(shot, width, height, { owner: CHOICES_OWNER, isFiner: true });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What --colour says, and how a scene is coloured by it: the numbers at the ends of its gradient come from the server, so
-// that the live picture has the colours of the exact one.
+// The value of --colour, and the colouring of a scene by it. The server gives the numbers at the ends of the gradient,
+// so that the live picture has the colours of the exact one.
 import { GRADIENTS } from "./renderer.js";
 import { server } from "./server.js";
 
@@ -9,7 +9,8 @@ const KEPT = 40;
 export const BY_GRADIENT = ["trap", "depth", "iterations"];
 const isNumber = (text) => text !== undefined && text.trim() !== "" && Number.isFinite(Number(text));
 
-// What --colour says: {by, gradient, range}. The gradient is a name, a list of colours or a file; range: [low, high] or null.
+// Parses --colour: {by, gradient, range}. The gradient is a name, a list of colours or a file; range: [low, high] or
+// null.
 export function colourOf(recipe) {
   const [by, ...rest] = (recipe.colour ?? "clay").split(":");
   const hasRange = rest.length >= 2 && isNumber(rest.at(-1)) && isNumber(rest.at(-2));
@@ -17,19 +18,19 @@ export function colourOf(recipe) {
   return { by: by === "gradient" ? "trap" : by, gradient: rest.join(":") || "viridis", range };
 }
 
-// The same as the text of --colour; undefined for what is usual.
+// The same as the text of --colour; undefined for the default.
 export function colourText({ by, gradient, range }) {
   if (!BY_GRADIENT.includes(by)) return by === "clay" ? undefined : by;
   return [by, ...(gradient !== "viridis" || range ? [gradient] : []), ...(range ?? [])].join(":");
 }
 
-// A list of colours as stops of a gradient; null if it is none.
+// A list of colours as stops of a gradient; null if the text is not such a list.
 function stopsOf(list) {
   const codes = list.split(",").map((code) => /^#?([0-9a-f]{6})$/i.exec(code)?.[1]);
   return codes.length >= 2 && codes.every(Boolean) ? codes.map((code) => [0, 2, 4].map((at) => parseInt(code.slice(at, at + 2), 16) / 255)) : null;
 }
 
-// The colourings of scenes. start: of an exported page those that are in it
+// The colourings of scenes. start: for an exported page, the colourings that it contains
 export class Colourings {
   constructor(start, keyOf) {
     Object.assign(this, { keyOf, exported: start.exported ? start.colourings ?? {} : null, ownText: start.recipe?.colour, known: new Map(), latest: new Map() });
@@ -37,7 +38,8 @@ export class Colourings {
 
   key(scene, recipe) { return `${this.keyOf(scene.recipe)} ${recipe.colour ?? ""}`; }
 
-  // {by, stops, low, high, distance}: what is known; until the server has answered, the range of the last one of its kind.
+  // {by, stops, low, high, distance}, as far as known. Until the server has answered, the range is that of the last
+  // colouring of the same kind.
   of(scene, recipe) {
     const known = this.known.get(this.key(scene, recipe));
     if (known) return known;
@@ -52,7 +54,7 @@ export class Colourings {
     return Boolean(this.exported) || !BY_GRADIENT.includes(colourOf(recipe).by) || this.known.has(this.key(scene, recipe));
   }
 
-  // Asks the server. Whether there is something new; throws what it says of a wrong one.
+  // Asks the server. Returns whether there is anything new; throws the server's message about a wrong value.
   async read(scene, recipe, signal) {
     if (this.isReady(scene, recipe)) return false;
     const { colour } = recipe, answer = await server.colouring({ ...scene.recipe, colour }, signal);

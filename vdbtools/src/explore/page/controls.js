@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controls, as the program's options describe them. A recipe is an object of names and texts; what is not in it has
-// its default.
+// The controls, as the program's options describe them. A recipe is an object of names and texts; options that are not
+// in it have their defaults.
 import { BY_GRADIENT, colourOf, colourText } from "./colours.js";
 import { lightAngles } from "./lighting.js";
 import { COLOURS } from "./renderer.js";
@@ -14,11 +14,11 @@ const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "ori
 
 const OWN_RAMP = "#101820,#c0392b,#f7dc6f";
 
-// The rest of the options, by the groups of the program's help.
+// The other options, by the groups of the program's help.
 const OTHER_GROUPS = [["More of the map and the texture", "map"], ["Space", "space"], ["Lattice", "lattice"], ["Surface", "surface"],
   ["Files", "output"]];
 
-// What the program says of its options. An exported page has none, and shows the options that need no server.
+// The program's descriptions of its options. An exported page has none, and shows the options that need no server.
 export class Options {
   constructor(start) {
     this.list = start.options ?? [];
@@ -31,7 +31,7 @@ export class Options {
   usual(name, recipe) { return name === "map" ? this.firstMap : this.byName.get(name)?.defaults?.[this.mapOf(recipe)]; }
   help(name) { return this.byName.get(name)?.help ?? ""; }
 
-  // Sets an option; what says the same in another way goes.
+  // Sets an option, and removes those that would contradict it.
   set(recipe, name, value) {
     if (value === undefined) {
       delete recipe[name];
@@ -47,7 +47,7 @@ export function isRandomVersor(recipe) {
   return recipe.texture === "random" || (!recipe.texture && RANDOM_ROOTS.some((name) => name in recipe));
 }
 
-// Takes a texture of the shelf, or random roots, and leaves nothing that only the one before could have.
+// Chooses a texture of the shelf, or random roots, and removes the options that only the previous texture could have.
 export function chooseTexture(page, recipe, name, seed) {
   for (const option of RANDOM_ROOTS) delete recipe[option];
   page.options.set(recipe, "texture", name);
@@ -60,7 +60,7 @@ export function variesBySeed({ options, start }, recipe) {
   return isRandomVersor(recipe) || start.textures.some((texture) => texture.varies && texture.name === name);
 }
 
-// Another seed of the same texture; of random roots where the texture has nothing random. A seed alone would mean
+// Chooses another seed of the same texture, or random roots if the texture has nothing random. A seed alone would mean
 // random roots.
 export function setSeed(page, recipe, seed) {
   if (!isRandomVersor(recipe)) {
@@ -70,7 +70,7 @@ export function setSeed(page, recipe, seed) {
   page.options.set(recipe, "texture-seed", seed);
 }
 
-// Whether the texture is one whose detail is as fine as its target is thin.
+// Whether the texture is one whose detail follows the target's local thickness.
 export function followsThickness({ options, start }, recipe) {
   if (isRandomVersor(recipe)) return false;
   const name = recipe.texture ?? options.usual("texture", recipe);
@@ -121,7 +121,7 @@ export function makeControls(page) {
     label, name, help: options.help(name), usual: usualOf(name), read: (state) => state.recipe[name],
     write: (state, value) => options.set(state.recipe, name, value),
   }));
-  // Shown only for some recipes.
+  // Elements that are shown only for some recipes.
   const when = (test, ...children) => {
     const part = element("div", {}, ...children);
     updates.push((state) => { part.hidden = !test(state.recipe, state); });
@@ -171,7 +171,7 @@ export function makeControls(page) {
       else recipe.colour = text;
     };
     const hasTarget = Boolean(start.target ?? page.scene()?.targetBox), kinds = (start.colours ?? COLOURS).filter((by) => by !== "depth" || hasTarget);
-    // The numbers that occur stand in the empty fields.
+    // Empty fields show the numbers that occur.
     const occurs = (state, end) => {
       const known = page.scene() ? page.colourings.of(page.scene(), state.recipe)[end] : undefined;
       return known === undefined ? "" : String(Number(known.toPrecision(4)));
@@ -202,7 +202,7 @@ export function makeControls(page) {
     element("div", { class: "pair" }, end("From", 0, "low"), end("to", 1, "high")))];
   }
 
-  // The material and the light, as the options of `juliavdb render` have them.
+  // The material and the light, as options of `juliavdb render`.
   function lightControls() {
     const { lighting } = page, read = (name) => (state) => state.look.options[name];
     const set = (name) => (state, value) => {
@@ -213,7 +213,7 @@ export function makeControls(page) {
     const numbered = (name, label, limits) => add(slider(store, {
       label, name, help: lighting.help(name), ...limits, usual: () => lighting.usual(name), read: read(name), write: set(name),
     }));
-    // One of some names, or a text of one's own.
+    // A choice of names, with a field for any other text.
     const named = (name, label, values, { own, ownLabel, isNamed }) => {
       const isOwn = (state) => state.look.options[name] !== undefined && !isNamed(state.look.options[name]);
       return [add(choice(store, {
@@ -250,7 +250,7 @@ export function makeControls(page) {
 
   function byAlpha(recipe) { return "alpha" in recipe || "beta" in recipe; }
 
-  // How deep the texture goes.
+  // How deep the detail goes.
   function depthControls() {
     return [when(isMap("shape-modulus"),
       when((recipe) => !byAlpha(recipe), number("detail", "Detail", { min: 0, max: 1, step: 0.01 }),
@@ -312,7 +312,7 @@ export function makeControls(page) {
       when((recipe) => followsThickness(page, recipe), chosen("frequency", "Frequency", ["coarse", "medium", "fine"])))];
   }
 
-  // What else there is to a texture.
+  // The other options of a texture.
   function rootControls() {
     const powers = (label, i) => add(slider(store, {
       label, name: "texture-powers", help: options.help("texture-powers"), min: 1, max: 20, step: 1, usual: () => String([2, 11][i]),
@@ -367,7 +367,7 @@ export function makeControls(page) {
       updates.push((state) => { part.hidden = !own.some((option) => options.has(option.name, state.recipe)); });
       all.push(part);
     }
-    // What matters first is open; the rest is found by its title, or by typing.
+    // The most important groups are open; the others are found by their titles, or by typing.
     for (const part of all) part.open = part === all[0] || (!start.target && part === all[1]);
   }
   const list = element("div", { class: "controls" }, ...all), found = page.isExported ? null : finder(all);
@@ -381,8 +381,8 @@ export function makeControls(page) {
   };
 }
 
-// Says what the program refuses beside the control of the option that it names. about: of whom the words are; "" takes
-// them back.
+// Shows a refusal of the program next to the control of the option that it names. about: what was refused, e.g. "scene";
+// a later call with the same value replaces the text, and empty words remove it.
 function tellBeside(list) {
   const told = new Map();
   return (about, words) => {
@@ -399,7 +399,7 @@ function tellBeside(list) {
   };
 }
 
-// A field in which words are typed: only the controls that have all of them, in their label, their option or its help, stay.
+// A search field. Only controls that contain all of its words, in their label, their option or its help, stay visible.
 function finder(groups) {
   const input = element("input", { type: "search", placeholder: "Find a control: mask, iterations, tolerance …", "aria-label": "Find a control",
     spellcheck: "false", autocomplete: "off" });

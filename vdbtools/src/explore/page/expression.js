@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The user's pairs of cross products (libjulia's expression_pair.h) as GLSL: muParser's grammar, read by recursive
-// descent. Whatever is written is made from the tree that was read, so that no text of the user's reaches the compiler.
+// Converts the user's pairs of cross products (libjulia's expression_pair.h) to GLSL, by a recursive-descent parser of
+// muParser's grammar. The GLSL is written from the parsed tree, so no text of the user reaches the compiler.
 
 const VARIABLES = ["x", "y", "z", "r", "cos2phi", "sin2phi", "cos2theta", "sin2theta"];
 const ONE = {
   sin: "sineOf", cos: "cosineOf", tan: "tan", asin: "asin", acos: "acos", atan: "atan", sinh: "sinh", cosh: "cosh",
   tanh: "tanh", exp: "exp", ln: "log", log: "log", log2: "log2", sqrt: "sqrt", abs: "abs", sign: "sign",
 };
-// Operators of two operands, from those that bind least.
+// Binary operators, in ascending order of precedence.
 const LEVELS = [["||"], ["&&"], ["<=", ">=", "!=", "==", "<", ">"], ["+", "-"], ["*", "/"]];
 
 const numberInGlsl = (value) => {
@@ -59,7 +59,7 @@ class ExpressionReader {
     }
   }
 
-  // A sign binds less than a power: -x^2 is -(x^2).
+  // A sign has a lower precedence than a power: -x^2 is -(x^2).
   signed() {
     if (this.takes("-")) return `(-${this.signed()})`;
     if (this.takes("+")) return this.signed();
@@ -112,7 +112,7 @@ class ExpressionReader {
   }
 }
 
-// At the commas that stand in no parenthesis.
+// Splits at the commas outside parentheses.
 function componentsOf(text) {
   const parts = [""];
   let depth = 0;
@@ -127,7 +127,7 @@ function componentsOf(text) {
 
 export function expressionInGlsl(text) { return new ExpressionReader(text).whole(); }
 
-// The functions userFirst() and userSecond(). Throws an Error that says which character cannot be translated.
+// The functions userFirst() and userSecond(). Throws an Error that names the character which cannot be translated.
 export function pairInGlsl(f, g) {
   const made = (name, text) => `
 vec3 ${name}(vec3 p) {
@@ -139,7 +139,7 @@ vec3 ${name}(vec3 p) {
   return vec3(${componentsOf(text).map(expressionInGlsl).join(", ")});
 }`;
   return `
-// pow() of GLSL knows no negative base.
+// GLSL's pow() does not accept a negative base.
 float realPower(float base, float power) {
   if (base >= 0.0) return power == 0.0 ? 1.0 : pow(base, power);
   float size = pow(-base, power);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the look to files: making them, the history of what was made, the command, and recipes in and out.
+// From a look to files: makes them, keeps their history, shows the command, and reads and writes recipes.
 import { server } from "./server.js";
 import { checkedLook } from "./store.js";
 import { button, element, group } from "./widgets.js";
 
-const PICTURE = 480;  // pixels of the width of what was made
+const PICTURE = 480;  // width in pixels of a picture of what was made
 
 function download(blob, name) {
   const link = element("a", { href: URL.createObjectURL(blob), download: name });
@@ -14,7 +14,7 @@ function download(blob, name) {
 
 const timeText = (seconds) => seconds < 90 ? `${Math.round(seconds)} s` : `${Math.round(seconds / 60)} min`;
 
-// page: {store, start, say(text, isError), recipe(): what is to be made, resized}
+// page: {store, start, say(text, isError), recipe(): the recipe to make, resized}
 export function makeFiles(page) {
   const { store, start, say } = page;
   const attempt = (work) => async () => {
@@ -56,8 +56,8 @@ export function makeFiles(page) {
     if (jobs.some((job) => ["queued", "running"].includes(job.state))) timer = setTimeout(poll, 700);
   }
 
-  // The line of a job stays the same element while the job is queued or runs: a new one would take the focus from its
-  // button, and a click that had begun.
+  // The line of a job stays the same element while the job is queued or running: a new one would take the focus from
+  // its button, and interrupt a click.
   const lines = new Map(), asked = new Map();
   function lineOf(job) {
     const isOpen = job.state === "queued" || job.state === "running";
@@ -70,7 +70,7 @@ export function makeFiles(page) {
       : job.state === "done" ? job.files.join(", ") : job.state;
     line.element.className = job.state;
     line.what.textContent = what;
-    // What this page has made is shown as it was to be seen when that was asked for.
+    // A file that this page has made is shown in the view and the light at the time of the request.
     if (job.state === "done" && asked.has(job.job)) {
       const body = asked.get(job.job);
       asked.delete(job.job);
@@ -121,14 +121,14 @@ export function makeFiles(page) {
             const { input } = state.recipe;
             state.recipe = { ...read.recipe };
             if (input) state.recipe.input = input;
-            // An exported page has its camera beside its look.
+            // An exported page has a camera in addition to its look.
             const look = read.look?.look ?? read.look;
             if (look && typeof look === "object") state.look = checkedLook(look);
           });
           return say(`The recipe of ${file.name}.`);
         }
       }
-      // Recipes stand at the beginnings of files.
+      // Recipes are at the beginning of files.
       const { recipe, note } = await server.recipe(file.name, await file.slice(0, 64 << 20).arrayBuffer());
       store.change((state) => { state.recipe = { ...recipe }; });
       say(note ? `${file.name}: ${note}.` : `The recipe of ${file.name}.`);
@@ -179,7 +179,7 @@ export function makeFiles(page) {
   return { element: whole, load };
 }
 
-// The recipe in a file of the page's own; null: it is another file.
+// The recipe in a file that this page saved; null for any other file.
 export function savedLook(content) {
   const part = /<script type="application\/json" id="exported">([\s\S]*?)<\/script>/.exec(content)?.[1] ?? content;
   try {

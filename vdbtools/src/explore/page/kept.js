@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The looks that were kept: small pictures below the stage, which lead back to them. The browser has them until its tab
-// is closed.
+// Kept looks: small pictures below the stage, which lead back to the looks. The browser keeps them until its tab is
+// closed.
 import { hashOf, stateOfHash } from "./store.js";
 import { recipeKey } from "./variations.js";
 import { button, element } from "./widgets.js";
@@ -20,7 +20,7 @@ export class KeptLooks {
   }
 
   listen(listener) { this.listeners.push(listener); }
-  // Of two states that differ in the camera alone one is kept.
+  // Of two states that differ only in the camera, one is kept.
   has(state) { return this.looks.some((look) => sameLook(look.state, state)); }
 
   // picture: a canvas that shows it
@@ -58,7 +58,7 @@ export class KeptLooks {
       button("×", () => this.remove(look.state), { class: "kept-remove", "aria-label": `Keep ${look.label} no longer`, title: "Keep it no longer" }));
   }
 
-  // As addresses, which are checked where they are read.
+  // Stored as addresses, which are checked when they are read.
   save() {
     try {
       sessionStorage.setItem(this.key, JSON.stringify(this.looks.map(({ label, state, picture }) => ({ label, hash: hashOf(state, this.page.first), picture }))));

@@ -6,7 +6,7 @@ import { recipeKey } from "./variations.js";
 import { button, element } from "./widgets.js";
 
 const KEY_WIDTH = 80, KEY_HEIGHT = 60, USUAL_FRAMES = 48, MOST_FRAME = 99999;
-const FRAME_TIME = 1000 / 12;  // milliseconds of a frame that is played
+const FRAME_TIME = 1000 / 12;  // milliseconds per frame of the playback
 
 // page: {store, stage, start}
 export class KeyStrip {
@@ -44,7 +44,7 @@ export class KeyStrip {
     this.note.classList.toggle("error", isError);
   }
 
-  // The look at hand becomes that of the frame.
+  // Assigns the current look to the frame.
   setKey() {
     const { store, stage } = this.page, frame = Number(this.frame.value), image = stage.image();
     const picture = element("canvas", { width: KEY_WIDTH, height: KEY_HEIGHT });
@@ -79,7 +79,7 @@ export class KeyStrip {
 
   request() { return { keys: this.keys.map(({ frame, recipe }) => ({ frame, recipe })), ease: this.ease.value }; }
 
-  // Shows the look of a frame, as the program blends it.
+  // Shows the look of a frame, as blended by the program.
   async goTo(frame, isMoving) {
     const at = Math.min(MOST_FRAME, Math.max(0, frame)), mine = ++this.run;
     if (at > Number(this.frame.max)) this.frame.max = this.last.value = at;
@@ -98,7 +98,7 @@ export class KeyStrip {
     }
   }
 
-  // One frame after another; a frame that takes longer is waited for.
+  // Plays one frame after another, and waits for a frame that takes longer.
   async playOrStop() {
     this.isPlaying = !this.isPlaying;
     this.play.textContent = this.isPlaying ? "Stop" : "Play";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The material and the light of pictures: texts in the state of the page, as the options of `juliavdb render` have them,
-// and the numbers that the live picture is made with. The server reads the texts; what it has not read yet is read here
-// as far as that goes.
+// The material and the light of pictures: the texts in the state of the page, which are options of `juliavdb render`,
+// and the numbers for the live picture. The server parses the texts. Texts that it has not parsed yet are parsed here,
+// as far as that is possible.
 import { server } from "./server.js";
 
 export const LOOK_OPTIONS = ["material", "light", "sky", "ground", "background", "exposure"];
@@ -11,14 +11,14 @@ const CLAY = { albedo: [0.55, 0.32, 0.21], gloss: [0.1, 0.1, 0.1], sharpness: 18
 const keyOf = (options) => JSON.stringify(LOOK_OPTIONS.map((name) => options[name] ?? USUAL[name]));
 const linearOf = (code) => code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4;
 
-// "-48,41" as numbers; null if it is none.
+// "-48,41" as numbers; null for any other text.
 export function lightAngles(text) {
   const parts = String(text).split(",").map(Number);
   return parts.length === 2 && parts.every(Number.isFinite) ? parts : null;
 }
 
 export class Lighting {
-  // start: what the server, or the exported page, says at first. first: the options that the exported page begins with
+  // start: the first data of the server or of the exported page. first: the initial options of the exported page
   constructor(start, first) {
     this.materials = new Map(Object.entries(start.materials ?? { clay: CLAY }));
     this.about = new Map((start.looks ?? []).map((option) => [option.name, option]));
@@ -32,7 +32,7 @@ export class Lighting {
   help(name) { return this.about.get(name)?.help ?? ""; }
   isNamed(material) { return this.materials.has(material); }
 
-  // The numbers behind texts; where some of them are not understood, those before them.
+  // The numbers that the texts stand for; if some texts are not understood, the previous numbers.
   numbersOf(options) {
     const known = this.known.get(keyOf(options));
     if (known) return this.latest = known;
@@ -48,7 +48,8 @@ export class Lighting {
     };
   }
 
-  // Has the server read the texts. Whether the numbers are others than before; throws what it says of wrong ones.
+  // Lets the server parse the texts. Returns whether the numbers have changed; throws the server's message about wrong
+  // ones.
   async read(options) {
     const key = keyOf(options);
     if (!this.isAsked || this.known.has(key)) return false;

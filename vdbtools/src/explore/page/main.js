@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of `juliavdb explore`, and the one that it exports: puts the parts together.
+// The page of `juliavdb explore`, and the page that it exports: puts the parts together.
 import { attachCamera, turnedView, viewAround } from "./camera.js";
 import { Choices } from "./choices.js";
 import { Colourings } from "./colours.js";
@@ -26,16 +26,16 @@ const TURN = 12000;  // milliseconds of a turn
 
 const BACK = "Any change goes back to the live one.";
 
-// The latest scenes. isUsed(scene): it must stay; forget(scene) frees what the GPU has of it.
+// The latest scenes. isUsed(scene): the scene must be kept; forget(scene) frees its data on the GPU.
 class Scenes {
   constructor(isUsed, forget) {
     Object.assign(this, { isUsed, forget, kept: new Map() });
   }
 
-  // What is the same scene: colours are the page's affair.
+  // Identifies a scene; colours do not belong to it.
   key(recipe) { return JSON.stringify(Object.entries(recipe).filter(([name]) => !name.startsWith("colour")).sort()); }
 
-  // side: of the volume, where fewer nodes will do
+  // side: of the volume, if fewer nodes suffice
   async get(recipe, wait, signal, side = WHOLE) {
     const whole = this.key(recipe), key = side === WHOLE ? whole : `${side} ${whole}`, known = this.kept.get(whole) ?? this.kept.get(key);
     if (known) return known;
@@ -47,7 +47,7 @@ class Scenes {
     return scene;
   }
 
-  // Volumes are what is large.
+  // Volumes take most of the memory.
   shrink(latest) {
     const volumes = () => new Set([...this.kept.values()].map((scene) => scene.exponent?.id)).size;
     for (const [key, scene] of [...this.kept]) {
@@ -122,7 +122,8 @@ async function run() {
     stage.draw(shotOf(scene, store.state), isMoving);
     if (store.state.compare && targetView && store.state.view) targetView.draw(store.state.view, lighting.numbersOf(store.state.look.options));
   };
-  // What the server has to read of the light and the colours; the picture is drawn again where that changes it.
+  // The texts of the light and the colours that the server has to parse. If the numbers change, the picture is drawn
+  // again.
   let reading = null;
   async function readLook() {
     reading?.abort();
@@ -220,13 +221,14 @@ async function run() {
     for (const one of [exactButton, meshButton]) one.setAttribute("aria-pressed", "false");
   };
   const tellOfExact = (text) => say(exposed = text);
-  // The camera, the light and the size of the live picture. most: pixels of the width
+  // The camera, the light and the size of the live picture. most: the maximum width in pixels
   const pictureBody = (state, most = canvas.width) => {
     const { eye, lookAt, up, fov } = state.view, shrink = Math.min(1, most / canvas.width);
     return { view: { eye, lookAt, up, fov }, look: state.look.options, samples: "4",
       width: Math.max(16, Math.round(canvas.width * shrink)), height: Math.max(16, Math.round(canvas.height * shrink)) };
   };
-  // One of the program's pictures over the live one, until something changes. ask(state, signal) gives {picture, words}.
+  // Shows one of the program's pictures over the live one, until something changes. ask(state, signal) gives {picture,
+  // words}.
   async function showOver(pressed, begun, ask) {
     const isShown = pressed?.getAttribute("aria-pressed") === "true";
     hideExact();
@@ -262,7 +264,7 @@ async function run() {
   const showExact = () => showOver(exactButton, "The exact picture is being made.", async (state, signal) => ({
     picture: await server.picture({ recipe: cutRecipe(state), ...pictureBody(state) }, signal), words: "This is the exact picture.",
   }));
-  // The mesh that Make would make, and what of the picture is finer than it.
+  // The mesh that Make would make, and what the picture shows finer than it.
   const showMesh = () => {
     const { resolution } = page.named();
     return showOver(meshButton, `The mesh at resolution ${resolution} is being made.`, async ({ recipe, ...state }, signal) => {
@@ -285,7 +287,7 @@ async function run() {
   const reset = () => {
     if (scene) store.change((state) => { state.view = { ...viewAround(scene.frame, {}, stage.aspect), of: scene.map }; });
   };
-  // A turn about what the camera looks at, until somebody does something else.
+  // Turns the camera about its look-at point until the user does something else.
   let turning = 0;
   const turntable = button("Turntable", () => {
     if (turning) return stopTurning();
@@ -345,7 +347,7 @@ async function run() {
   }
 
   store.listen((state, isMoving) => {
-    if (turning && !isTurn) return stopTurning();  // which tells it again
+    if (turning && !isTurn) return stopTurning();  // which updates again
     choices.close();
     hideExact();
     controls.update(state);
@@ -404,7 +406,8 @@ async function run() {
     store, stage, renderer, choices, thumbnails, keys: page.keys, scene: () => scene,
     isBusy: () => Boolean(asking) || Boolean(reading) || scenes.key(store.state.recipe) !== shownOf && !isExported,
     settled: () => stage.settled(),
-    // A picture apart from that on the page, without the camera of the state: linear colours and coverage.
+    // Draws a picture apart from that on the page, without the camera of the state. Returns linear colours and
+    // coverage.
     render: (width, height) => new Promise((resolve) => {
       const shot = shotOf(scene, { ...store.state, view: viewAround(scene.frame, {}, width / height) });
       stage.drawSmall(shot, width, height).then((made) => resolve(Array.from(made.values)));
@@ -412,7 +415,7 @@ async function run() {
   };
 }
 
-// What an exported page says of itself.
+// The description of an exported page.
 function exportNote(scene, start) {
   const { exponent } = scene, notes = [`Made by JuliaVDB ${start.version}.`];
   if (exponent)

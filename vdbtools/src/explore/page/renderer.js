@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends the rays. A picture is made in strips of rows, no more at a time than the GPU does in a moment, so that the page
-// stays responsive on any GPU: first a coarse picture, then a fine one, then the mean of several with the rays elsewhere
-// in their pixels.
+// Sends the rays. A picture is made in strips of rows, each so small that the GPU takes only a moment for it, so that
+// the page stays responsive on any GPU: first a coarse picture, then a fine one, then the mean of several pictures with
+// rays at other places in their pixels.
 import { bytesOfBase64 } from "./scene.js";
 import { DISPLAY_SHADER, fragmentShader, VERTEX_SHADER } from "./shaders.js";
 
@@ -18,7 +18,7 @@ export const GRADIENTS = {
   coolwarm: codes("3b4cc0 6282ea 8db0fe b8d0f9 dddddd f5c4ad f49a7b de604d b40426"),
   grey: codes("000000 ffffff"),
 };
-const LEAST_PIXELS = 2000;  // to hand over at once
+const LEAST_PIXELS = 2000;  // the minimum number per request
 
 const subtract = (a, b) => a.map((value, i) => value - b[i]);
 const scaledBy = (a, k) => a.map((value) => value * k);
@@ -35,7 +35,7 @@ export function cameraFrame(view) {
   return { forward, right, up: crossOf(right, forward), tangent: Math.tan(view.fov * Math.PI / 360) };
 }
 
-// From where the light comes: see previewStage() in vdbtools/render/shading.h.
+// The directions of the light: see previewStage() in vdbtools/render/shading.h.
 export function lightDirections(light, view, frame) {
   const sky = unitOf(view.up), front = unitOf(crossOf(frame.right, sky));
   const [azimuth, elevation] = light.light.map((degrees) => degrees * Math.PI / 180);
@@ -71,12 +71,12 @@ export class Renderer {
     this.gradients = new Map();
     this.nothing = this.texture2D(1, 1, new Uint8Array(4));
     this.nothing3D = this.texture3D([1, 1, 1], new Uint8Array(1), gl.R8, gl.UNSIGNED_BYTE, gl.NEAREST);
-    this.rate = 20;  // pixels a millisecond, measured; a slow beginning blocks nobody
+    this.rate = 20;  // pixels per millisecond, measured; it starts low, so that nothing is blocked
     this.fence = null;
-    this.latency = 200;  // milliseconds between handing over next to nothing and knowing that it is done
+    this.latency = 200;  // milliseconds between requesting nearly nothing and learning that it is done
   }
 
-  // ---- what the GPU holds ----
+  // ---- data on the GPU ----
 
   program(source) {
     const gl = this.gl, known = this.programs.get(source);
@@ -127,7 +127,7 @@ export class Renderer {
     return texture;
   }
 
-  // The textures of a scene, made when they are first asked for; those of exponents are shared and the last few kept.
+  // The textures of a scene, made on first use. Those of exponents are shared, and the last few are kept.
   texturesOf(scene) {
     const gl = this.gl;
     if (!scene.textures) {
@@ -169,7 +169,7 @@ export class Renderer {
     if (textures.factorsOf === factors) return textures.factors;
     gl.deleteTexture(textures.factors ?? null);
     const rows = Math.max(1, Math.ceil(factors.length / 512)), data = new Float32Array(1024 * 4 * rows);
-    // Up to 64 a whole power is multiplied out, which needs no angles.
+    // Whole powers up to 64 are computed by products, which need no angles.
     factors.forEach(([a, b, c, d, power], i) => data.set([a, b, c, d, power,
       Number.isInteger(power) && Math.abs(power) <= 64 ? 1 : 0, 0, 0], 8 * i));
     textures.factors = this.texture2D(1024, rows, data, gl.RGBA32F, gl.FLOAT);
@@ -177,7 +177,7 @@ export class Renderer {
     return textures.factors;
   }
 
-  // Distances from the target; one at a time is kept.
+  // Distances from the target. Only the latest are kept.
   distanceTexture(distance) {
     if (!distance) return null;
     if (this.distancesOf !== distance) {
@@ -205,7 +205,7 @@ export class Renderer {
 
   // ---- pictures ----
 
-  // Something to draw into.
+  // A target to draw into.
   target(width, height) {
     const gl = this.gl;
     const texture = this.floats ? this.texture2D(width, height, null, gl.RGBA16F, gl.HALF_FLOAT, gl.LINEAR)
@@ -226,7 +226,7 @@ export class Renderer {
   // shot: {scene, live, view, look}; sample: {jitter, share, before, axes}
   drawRows(shot, target, sample, y0, y1) {
     const gl = this.gl, { scene, live, view, look } = shot;
-    // All of them are there before any is bound: making one binds it.
+    // All textures are made before any is bound, because making one binds it.
     const textures = this.texturesOf(scene), { colouring } = look, { light } = look;
     const gradient = this.gradientTexture(colouring.stops?.length ? colouring.stops : GRADIENTS.viridis);
     const distances = this.distanceTexture(colouring.distance);
@@ -300,7 +300,7 @@ export class Renderer {
     gl.uniform1f(at("stepFirst"), Math.hypot(...off) * (1 - 1e-9));
     gl.uniform1i(at("axisCount"), sample.axes);
     gl.uniform1i(at("colourBy"), colouring.by === "depth" && !distances ? COLOURINGS.indexOf("clay") : COLOURINGS.indexOf(colouring.by));
-    // Depths are lengths of the world.
+    // Depths are lengths in world units.
     const length = colouring.by === "depth" ? scale : 1;
     gl.uniform2f(at("gradientRange"), (colouring.low ?? 0) / length, (colouring.high ?? (colouring.by === "iterations" ? live.iterations : 1)) / length);
     bind("distances", gl.TEXTURE_3D, distances ?? this.nothing3D);
@@ -316,7 +316,7 @@ export class Renderer {
     bind("gradient", gl.TEXTURE_2D, gradient);
     bind("before", gl.TEXTURE_2D, sample.before ?? this.nothing);
     gl.uniform1f(at("share"), sample.share);
-    // Cubes of a map without an exponent were proved to be empty for one orbit only.
+    // For a map without an exponent, the cubes are proved to be empty for one orbit only.
     const { cubes } = scene, skips = cubes && (scene.exponent || live.exact);
     bind("emptiness", gl.TEXTURE_3D, skips ? textures.emptiness : this.nothing3D);
     gl.uniform3iv(at("cubeCount"), skips ? cubes.count : [0, 0, 0]);
@@ -338,7 +338,7 @@ export class Renderer {
     gl.uniform3fv(at("gloss"), material.gloss);
     gl.uniform1f(at("sharpness"), material.sharpness);
     gl.uniform1i(at("mirrors"), material.mirrors ? 1 : 0);
-    // What moves is lit by fewer rays.
+    // A moving picture is lit by fewer rays.
     const isCoarse = sample.axes === 3;
     gl.uniform1i(at("openRays"), isCoarse ? 3 : 6);
     gl.uniform1i(at("openPlaces"), isCoarse ? 4 : 7);
@@ -348,7 +348,7 @@ export class Renderer {
     gl.uniform3fv(at("plain"), Array.isArray(light.background) ? light.background : [0, 0, 0]);
   }
 
-  // Shows a picture on the canvas, or only so many of its rows, from the lowest.
+  // Shows a picture on the canvas, or only some of its rows, from the lowest.
   show(target, rows = target.height, isClear = false) {
     const gl = this.gl, { program, at } = this.display;
     gl.useProgram(program);
@@ -379,15 +379,15 @@ export class Renderer {
     return values;
   }
 
-  // ---- how much at a time ----
+  // ---- the size of requests ----
 
-  // Whether the GPU has done what it was given. Measures how fast it was.
+  // Whether the GPU has finished its work. Measures how fast it was.
   isIdle() {
     if (!this.fence) return true;
     const gl = this.gl, status = gl.clientWaitSync(this.fence.sync, 0, 0);
     if (status !== gl.ALREADY_SIGNALED && status !== gl.CONDITION_SATISFIED && status !== gl.WAIT_FAILED) return false;
     gl.deleteSync(this.fence.sync);
-    // Most of a short time is not work but the wait for the browser's frame; the shortest time lately tells how much.
+    // Most of a short time is spent waiting for the browser's frame; the shortest recent time tells how much.
     const elapsed = Math.max(1, performance.now() - this.fence.since);
     this.latency = Math.min(1.02 * this.latency, elapsed, 200);
     const rate = this.fence.pixels / Math.max(1, elapsed - 0.8 * this.latency);
@@ -397,19 +397,19 @@ export class Renderer {
     return true;
   }
 
-  // After work of so many pixels.
+  // Updates the rate after this number of pixels.
   handOver(pixels) {
     this.fence = { sync: this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0), since: performance.now(), pixels };
     this.gl.flush();
   }
 
-  // How many rows to hand over. Not too few: what is handed over waits for a frame of the browser.
+  // The number of rows to request. It is not too small, because each request waits for a frame of the browser.
   rowsFor(milliseconds, width, height) {
     return Math.max(1, Math.ceil(height / 24), Math.ceil(LEAST_PIXELS / width), Math.floor(milliseconds * this.rate / width));
   }
 }
 
-// A picture that becomes finer with each strip: one sample a pixel, then more.
+// A picture that becomes finer with each strip: one sample per pixel, then more.
 export class Exposure {
   constructor(renderer, width, height, shot, { samples, axes }) {
     Object.assign(this, { renderer, width, height, shot, samples, axes });
@@ -419,11 +419,11 @@ export class Exposure {
   }
 
   get isDone() { return this.pass === this.samples; }
-  // The mean of all passes that are complete; none before the first is.
+  // The mean of all complete passes; nothing before the first is complete.
   get picture() { return this.pass === 0 ? null : this.targets[(this.pass - 1) % 2]; }
   get share() { return (this.pass + this.row / this.height) / this.samples; }
 
-  // Some more rows. The pixels that were drawn.
+  // Draws some more rows. Returns the number of pixels drawn.
   advance(milliseconds) {
     const rows = Math.min(this.height - this.row, this.renderer.rowsFor(milliseconds, this.width, this.height));
     const sample = {
@@ -440,7 +440,7 @@ export class Exposure {
     return rows * this.width;
   }
 
-  // No more passes than there are.
+  // No more passes than this are made.
   finish() { this.samples = this.pass; }
 
   free() {
@@ -449,7 +449,7 @@ export class Exposure {
   }
 }
 
-// How low a set is along a direction, by places around it.
+// The lowest position of a set along a direction, from sampled points around it.
 function lowestAlong(places, direction) { return Math.min(...places.map((place) => dotOf(place, direction))); }
 
 function regionOf(scene, live) {

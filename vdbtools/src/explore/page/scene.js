@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene as the server or an exported page describes it, made ready for the shaders.
+// A scene as described by the server or an exported page, prepared for the shaders.
 
 // 16-bit floats as numbers, by their bits.
 const HALVES = (() => {
@@ -23,7 +23,7 @@ export function distancesToOccupied(occupied, [nx, ny, nz]) {
   const distances = new Uint8Array(occupied.length);
   for (let i = 0; i < occupied.length; ++i) distances[i] = occupied[i] ? 0 : 255;
   const sweep = (sign) => {
-    // The 13 neighbours that come before a cube in the order of the sweep.
+    // The 13 neighbours that precede a cube in the order of the sweep.
     const before = [];
     for (let dz = -1; dz <= 1; ++dz)
       for (let dy = -1; dy <= 1; ++dy)
@@ -51,12 +51,12 @@ export function distancesToOccupied(occupied, [nx, ny, nz]) {
 
 const CUBE = 4;  // cells of the exponent along the side of a cube
 
-// Where E is everywhere at least ln(escape) the set is not: the first step decides.
+// Where E is at least ln(escape), the first step decides that a point is outside.
 function cubesOfExponent(exponent, volume, logEscape) {
   const [nx, ny, nz] = exponent.dims;
   const count = exponent.dims.map((n) => Math.max(1, Math.ceil((n - 1) / CUBE)));
   const occupied = new Uint8Array(count[0] * count[1] * count[2]);
-  // Texture units interpolate with weights of 8 bits; what is this near to the bound is not skipped.
+  // Texture units interpolate with weights of 8 bits, so values this close to the bound are not skipped.
   const least = logEscape + 1e-3 * Math.max(1, Math.abs(exponent.high), Math.abs(exponent.low));
   for (let z = 0; z < nz; ++z)
     for (let y = 0; y < ny; ++y) {
@@ -93,8 +93,8 @@ function isAlongAxes(matrix) {
   return matrix.every((row, i) => row.every((value, j) => i === j ? value > 0 : Math.abs(value) < 1e-9));
 }
 
-// The description, the volume (a Uint16Array of half floats, or null) and what the shaders need beside them.
-// recipe: the one that the scene was made of.
+// The description, the volume (a Uint16Array of half floats, or null) and further data for the shaders.
+// recipe: the recipe from which the scene was made.
 export function makeScene(description, volume, recipe) {
   const logEscape = Math.log(description.escape), { exponent, occupancy } = description;
   const cubes = exponent ? (isAlongAxes(exponent.matrix) ? cubesOfExponent(exponent, volume, logEscape) : null)
@@ -109,11 +109,11 @@ const numbersIn = (text, count) => {
   return numbers.slice(0, count);
 };
 
-// The parts of a recipe that the shaders can show before the server has made its scene; the rest waits. Each takes the value in
-// the recipe and the one that the scene was made of.
+// The options that the shaders can apply before the server has made the scene; the others wait. Each function takes the
+// value in the recipe and the one from which the scene was made.
 export const LIVE_OPTIONS = ["iterations", "slice", "c", "power", "texture-scale", "texture-translate", "origin-shift"];
 
-// The numbers of the orbit under another recipe: those of the scene where the recipes agree.
+// The numbers of the orbit for another recipe: those of the scene if the recipes agree.
 export function liveValues(scene, recipe) {
   const differs = (name) => (recipe[name] ?? "") !== (scene.recipe[name] ?? "");
   const live = {
@@ -124,7 +124,7 @@ export function liveValues(scene, recipe) {
   const changed = LIVE_OPTIONS.filter(differs);
   if (changed.length === 0) return live;
   live.exact = false;
-  // The trap was proved for the scene as it was.
+  // The trap was proved for the original scene.
   live.logTrap = null;
   const given = (name, usual) => Number(recipe[name] ?? usual);
   if (differs("iterations") && given("iterations", 0) >= 1) live.iterations = Math.round(given("iterations", 3));
@@ -136,7 +136,7 @@ export function liveValues(scene, recipe) {
       scale: Number(r["texture-scale"] ?? 1) || 1, move: numbersIn(r["texture-translate"] ?? "0,0,0", 3) ?? [0, 0, 0],
     });
     const from = at(scene.recipe), to = at(recipe), k = to.scale / from.scale;
-    // The components that are not dropped hold the place.
+    // The components that are not dropped are the coordinates of space.
     const places = { i: [0, 2, 3], j: [0, 1, 3], k: [0, 1, 2] }[scene.dropAxis];
     const part = (move, c) => places.indexOf(c) < 0 ? 0 : move[places.indexOf(c)];
     live.factors = live.factors.map((factor) =>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The requests of the page; vdbtools/explore/explore_server.h lists them. Addresses are relative: the key is in ours.
+// The requests of the page; vdbtools/explore/explore_server.h lists them. Addresses are relative, because the page's
+// own address contains the key.
 
 async function failure(response) {
   let text = `${response.status} ${response.statusText}`;

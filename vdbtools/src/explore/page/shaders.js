@@ -18,10 +18,10 @@ uniform int iterationLimit;
 uniform float escapeRadius, logEscape, level, logTrap, slice;
 uniform int dropped;  // the component that holds the slice: 1, 2 or 3
 
-// What the last orbit found out, beside its F.
-int orbitSteps;       // how many it took
-vec4 orbitVersor;     // the direction of the first one, if it was wanted
-float orbitNearest;   // the smallest l of the iterates
+// Results of the last orbit besides its F.
+int orbitSteps;      // number of steps
+vec4 orbitVersor;    // the direction of the first step, if requested
+float orbitNearest;  // the smallest l of the iterates
 
 vec4 embedded(vec3 x) {
   return dropped == 3 ? vec4(x, slice) : dropped == 2 ? vec4(x.xy, slice, x.z) : vec4(x.x, slice, x.yz);
@@ -78,7 +78,7 @@ vec4 product(vec4 p, vec4 q) {
 `;
 
 const FACTORS = `
-uniform sampler2D factors;  // two texels a factor: the root, then its power and whether that is whole
+uniform sampler2D factors;  // two texels per factor: the root; its power and whether that is whole
 uniform int factorCount;
 uniform float logScale;
 
@@ -104,7 +104,7 @@ vec4 factorOf(vec4 d, float squared, float power, bool whole) {
   }
   float imaginary = sqrt(s);
   vec2 turn = turned(power * quadrantsOf(d.x, imaginary));
-  // A negative real has no direction of its own; it takes i.
+  // A negative real has no direction of its own and uses i.
   return imaginary > 1e-15 ? vec4(turn.x, (turn.y / imaginary) * d.yzw) : vec4(turn.x, turn.y, 0.0, 0.0);
 }
 
@@ -129,7 +129,7 @@ const EXPONENT = `
 uniform sampler3D exponent;
 uniform mat3 toNode;
 uniform vec3 nodeOffset, nodeCount, originShift;
-uniform vec2 knee;  // where it is, and what the slope below has more
+uniform vec2 knee;  // its position, and by how much the slope below it is larger
 
 float exponentAt(vec3 x) {
   vec3 node = clamp(toNode * (x + originShift) + nodeOffset, vec3(0.0), nodeCount - 1.0);
@@ -139,7 +139,7 @@ float exponentAt(vec3 x) {
 `;
 
 const WAVES = `
-uniform sampler2D waves;  // four texels a wave: frequency, cosine, sine, and the power behind the last one of a factor
+uniform sampler2D waves;  // four texels per wave: frequency, cosine, sine, and the power after the last wave of a factor
 uniform int waveCount;
 uniform vec4 waveOrigin;
 uniform float waveScale;
@@ -181,7 +181,7 @@ vec4 versor_(vec4 q, vec4 unused) {
 }
 `;
 
-// A step gives ln|f(q)| first, so that the last one needs no direction.
+// A step computes ln|f(q)| first, because the last step needs no direction.
 const LOG_POLAR_ORBIT = `
 float follow(vec3 x, bool wantVersor) {
   vec4 q = embedded(x);
@@ -208,7 +208,7 @@ float follow(vec3 x, bool wantVersor) {
 `;
 
 const SHAPE_STEP = `
-// The versor is left to versor_(), which is asked for it only where the orbit goes on.
+// The versor is computed by versor_(), which is called only if the orbit continues.
 void step_(vec4 q, bool wantVersor, out float l, out vec4 u) { l = exponentAt(kept(q)); u = vec4(0.0); }
 `;
 
@@ -226,7 +226,7 @@ vec4 versor_(vec4 q, vec4 u) { return u; }
 `;
 
 const UNDEFINED_ITERATE = `
-const float UNDEFINED = 1e18;  // a component of an iterate that is not defined: it has escaped
+const float UNDEFINED = 1e18;  // stands for a component that is not defined; such an iterate has escaped
 `;
 
 const CARTESIAN_ORBIT = `
@@ -361,33 +361,33 @@ vec4 direction_(vec4 q) { return vec4(crossed(q.xyz), 0.0); }
 const RAYS = `
 uniform vec3 eye, right, up, forward;
 uniform float tangent, aspect;
-uniform vec2 pixels, jitter;        // of the picture; where in a pixel the ray goes, 0 to 1
+uniform vec2 pixels, jitter;  // size of the picture; where in a pixel the ray goes, 0 to 1
 uniform vec3 regionMin, regionMax;
-uniform vec4 clip;                  // what has dot(clip.xyz, x) > clip.w is cut away; 0: nothing
+uniform vec4 clip;  // points with dot(clip.xyz, x) > clip.w are cut away; 0: nothing
 uniform float stepAlpha, stepLeast, stepFirst;
-uniform int axisCount;              // of the differences for normals: 13, or 3 for a coarse picture
+uniform int axisCount;  // number of axes of the differences for normals: 13, or 3 for a coarse picture
 uniform int colourBy;               // 0 direction, 1 versor, 2 iterations, 3 trap, 4 clay, 5 depth
 uniform sampler2D gradient;
-uniform vec2 gradientRange;         // the numbers at its two ends
+uniform vec2 gradientRange;  // the numbers at the two ends of the gradient
 // The light: see vdbtools/render/shading.h. All directions have length 1.
 uniform vec3 sky, keyLight, rim;
 uniform float skyStrength, gain;
-uniform vec3 albedoOf, gloss;       // of the material
+uniform vec3 albedoOf, gloss;  // those of the material
 uniform float sharpness;
 uniform bool mirrors;
-uniform int openRays, openPlaces;   // that look for the sky, and the places along each
-uniform float keyGrowth;            // of the steps towards the key light
-uniform vec3 lightJitter;           // another one for each picture of the mean, each part 0 to 1
-uniform vec3 middle;                // of the ball around the set
+uniform int openRays, openPlaces;  // number of rays towards the sky, and of samples along each
+uniform float keyGrowth;  // growth of the steps towards the key light
+uniform vec3 lightJitter;  // differs between the pictures of a mean, each component 0 to 1
+uniform vec3 middle;  // centre of the ball around the set
 uniform float radius;
 uniform bool ground;
 uniform float floorHeight;          // along the sky
 uniform int backdrop;               // 0 neutral, 1 plain, 2 none
 uniform vec3 plain;
 uniform sampler2D before;           // the mean of the pictures so far
-uniform float share;                // of this one in the new mean
+uniform float share;  // weight of this picture in the new mean
 
-// The cubes where the set is not: how many cubes away the nearest one is where it may be.
+// For each cube of a lattice, its distance, in cubes, from the nearest cube in which the set may lie.
 uniform sampler3D emptiness;
 uniform vec3 cubeOrigin, cubeSide;
 uniform ivec3 cubeCount;            // 0: there are none
@@ -402,8 +402,8 @@ const int STEPS = 6000, BISECTIONS = 12;
 
 float stepAt(float t) { return max(stepAlpha * t, stepLeast); }
 
-// The samples of all rays are at one sequence of distances, from stepFirst on, as in the exact picture: its first member
-// at a distance or beyond.
+// The samples of all rays belong to one sequence of distances that begins at stepFirst, as in the exact picture.
+// Returns its first member that is not below a distance.
 float onSequence(float t) {
   if (stepAlpha * stepFirst < stepLeast) return t;
   float growth = log(1.0 + stepAlpha);
@@ -414,7 +414,7 @@ vec3 linearOf(vec3 c) {
   return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), vec3(greaterThan(c, vec3(0.04045))));
 }
 
-// Beyond the empty cubes about the place; t itself where the set may be.
+// The distance at which a ray leaves the empty cubes about its position; t itself where the set may be.
 float afterEmptiness(vec3 direction, vec3 inverse, float t) {
   vec3 place = (eye + t * direction - cubeOrigin) / cubeSide;
   ivec3 cube = clamp(ivec3(floor(place)), ivec3(0), cubeCount - 1);
@@ -435,13 +435,13 @@ vec3 rampAt(float number) {
   return linearOf(textureLod(gradient, vec2((clamp(v, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5), 0.0).rgb);
 }
 
-// The light from a direction, but for the key's.
+// The light from a direction, except the key light.
 vec3 environment(vec3 towards) {
   float height = 0.5 * (1.0 + dot(towards, sky)), edge = square(max(0.0, dot(towards, rim)));
   return skyStrength * (FLOOR_COLOUR + height * (SKY_COLOUR - FLOOR_COLOUR) + edge * edge * RIM_COLOUR);
 }
-// Its mean over the directions about a normal, by their cosines. That of the rim, the fourth power of a cosine, is exact
-// where the normal goes along it, across it and against it.
+// The mean of that light over the directions about a normal, weighted by their cosines. For the rim light, the fourth
+// power of a cosine, it is exact where the normal points along, across or against it.
 vec3 gathered(vec3 n) {
   float height = 0.5 + dot(n, sky) / 3.0;
   return skyStrength * (FLOOR_COLOUR + height * (SKY_COLOUR - FLOOR_COLOUR) +
@@ -454,13 +454,13 @@ mat3 frameOf(vec3 n) {
   return mat3(vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x), vec3(b, side + n.y * n.y * a, -n.y), n);
 }
 
-// A direction about a normal with the density of the cosine, number i of openRays.
+// Direction number i of openRays about a normal, with cosine density.
 vec3 openDirection(mat3 about, int i, float grain) {
   float area = (float(i) + lightJitter.z) / float(openRays), angle = 6.2831853 * fract(0.618034 * float(i) + lightJitter.x + grain);
   return about * vec3(sqrt(area) * vec2(cos(angle), sin(angle)), sqrt(1.0 - area));
 }
 
-// Whether the set may be at a place: within the region, on the side of the cut that stays, and not in an empty cube.
+// Whether the set may be at a point: in the region, on the remaining side of the cut, and not in an empty cube.
 bool mayBe(vec3 x) {
   if (any(lessThan(x, regionMin)) || any(greaterThan(x, regionMax)) || dot(clip.xyz, x) > clip.w) return false;
   if (cubeCount.x == 0) return true;
@@ -471,7 +471,7 @@ bool mayBe(vec3 x) {
 void main() {
   vec2 uv = 2.0 * (gl_FragCoord.xy - 0.5 + jitter) / pixels - 1.0;
   vec3 direction = normalize(forward + tangent * (uv.x * aspect * right + uv.y * up));
-  // No component may be 0, for it is divided by.
+  // No component may be 0, because it is a divisor.
   direction = mix(direction, vec3(1e-9), vec3(lessThan(abs(direction), vec3(1e-9))));
   vec3 inverse = 1.0 / direction;
 
@@ -500,7 +500,7 @@ void main() {
   float stepSum = 0.0;
   vec3 albedo = albedoOf, normal = -direction;
 
-  // The rays of the light: towards the sky, one that the surface mirrors, and towards the key.
+  // The rays of the light: towards the sky, the reflected one, and towards the key light.
   vec3 origin = vec3(0.0), towards = vec3(0.0);
   mat3 about = mat3(1.0);
   vec2 keyDisk = KEY_RADIUS * sqrt(lightJitter.y) * vec2(cos(6.2831853 * lightJitter.x), sin(6.2831853 * lightJitter.x));
@@ -512,8 +512,8 @@ void main() {
   float grain = 0.0;
   bool isFloor = phase == DONE && ground, begins = isFloor;
 
-  // All samples of a ray, whatever they are for, are taken at one place of the program: the lanes of a GPU then stay
-  // together, and compilers see the orbit once.
+  // All samples of a ray, whatever their purpose, are taken at the same place in the program. The lanes of a GPU then
+  // stay together, and compilers see the orbit only once.
   for (int k = 0; k < STEPS; ++k) {
     vec3 x = vec3(0.0);
     if (phase == MARCH) {
@@ -541,7 +541,7 @@ void main() {
       x = eye + inside * direction;
     }
     if (isFloor && begins) {
-      // The floor is seen where a ray goes down and meets no surface, up to where it ends.
+      // The floor is visible where a ray goes down and meets no surface, up to the floor's end.
       float falling = dot(direction, sky), height = floorHeight - dot(eye, sky);
       vec3 at = eye + height / falling * direction;
       away = distance(at, middle) / radius;
@@ -566,7 +566,7 @@ void main() {
       along = firstAlong * pow(growth, fract(lightJitter.y + grain));
     }
     if (phase == OPEN) {
-      // On to the next place on one of these rays where the set may be.
+      // Continues to the next position on one of these rays where the set may be.
       int rays = openRays + (mirrors && !isFloor ? 1 : 0);
       while (ray < rays) {
         towards = ray < openRays ? openDirection(about, ray, grain) : reflect(direction, normal);
@@ -622,8 +622,8 @@ void main() {
       if (f < 0.0) inside = middle; else outside = middle;
       if (++count == BISECTIONS) { phase = AROUND; count = 0; width = stepAt(inside); }
     } else if (phase == AROUND) {
-      // A field that grows outwards like a distance, see field_shading.cpp: what is outside counts twice as much for
-      // each step fewer. Sums over opposite points are not changed by a constant, so inside and outside add up apart.
+      // A field that grows outwards like a distance, see field_shading.cpp: outside, it doubles for each step less.
+      // Sums over opposite points are not affected by a constant, so inside and outside are summed separately.
       int axis = count >> 1;
       if (axisCount == 3) axis = axis == 0 ? 4 : axis == 1 ? 10 : 12;
       vec3 offset = normalize(vec3(axis / 9 - 1, axis / 3 % 3 - 1, axis % 3 - 1));
@@ -674,7 +674,7 @@ void main() {
   float open = allLight > 0.0 ? openLight / allLight : 1.0;
   float left = 1.0;
   if (isFloor) {
-    // The share of the light that the surface leaves to the floor, which ends softly.
+    // The share of the light that the surface leaves to the floor, which fades out at its end.
     float fromSky = brightness(gathered(sky)), fromKey = max(0.0, dot(key, sky)) * brightness(KEY_COLOUR);
     if (fromSky + fromKey > 0.0) left = (open * fromSky + keyOpen * fromKey) / (fromSky + fromKey);
     left = mix(left, 1.0, clamp(2.0 * away / FLOOR_ENDS - 1.0, 0.0, 1.0));
@@ -710,7 +710,7 @@ float depthAt(vec3 x) {
 }
 `;
 
-// The whole fragment shader for a scene. Throws an Error in words for the user where a pair cannot be translated.
+// The whole fragment shader for a scene. Throws an Error with a message for the user if a pair cannot be translated.
 export function fragmentShader(scene) {
   switch (scene.map) {
     case "shape-modulus":
@@ -729,12 +729,12 @@ export function fragmentShader(scene) {
   }
 }
 
-// Shows the mean: sRGB, and coarse pictures enlarged.
+// Shows the mean in sRGB, and enlarges coarse pictures.
 export const DISPLAY_SHADER = `#version 300 es
 precision highp float;
 uniform sampler2D picture;
 uniform vec2 pixels;
-uniform bool clear;  // what is behind is shown as the squares of nothing
+uniform bool clear;  // the background is shown as a checkerboard
 out vec4 result;
 void main() {
   vec4 seen = textureLod(picture, gl_FragCoord.xy / pixels, 0.0);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is drawn when: a coarse picture at once while something moves, a fine one at rest, and the pictures of other
-// looks when there is nothing else to do, or before all else while they cover the stage.
+// Decides what is drawn when: a coarse picture at once while something moves, a fine one at rest, and the pictures of
+// other looks when there is nothing else to do, or before everything else while they cover the stage.
 import { Exposure } from "./renderer.js";
 
-const FRAME = 30;           // milliseconds that a coarse picture may take
-const STRIP = 40;           // and the rows of a fine one that are handed over at once
-const SMALL = 300;          // what a picture of another look may take, if the graphics are fast enough for finer ones
-const PATIENCE = 3000;      // how long the picture at rest becomes finer, if nobody says otherwise
+const FRAME = 30;  // milliseconds that a coarse picture may take
+const STRIP = 40;  // the same for the rows of a fine one that are requested at once
+const SMALL = 300;  // the same for a picture of another look, if the GPU is fast enough for finer ones
+const PATIENCE = 3000;  // how long the picture at rest becomes finer by default
 const MOST_PIXELS = 2.5e6;
 
 const isClear = (shot) => shot?.look.light.background === "none";
@@ -16,8 +16,8 @@ const srgbOf = (linear) => {
   return Math.round(255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055));
 };
 
-// Linear values from the lowest row up, as an image.
-// isClear: what is behind has no colour, and the colours are multiplied by the coverage.
+// An image of linear values, given from the lowest row up.
+// isClear: the background has no colour, and the colours are multiplied by the coverage.
 export function imageOf(values, width, height, isClear = false) {
   const image = new ImageData(width, height);
   for (let y = 0; y < height; ++y)
@@ -31,7 +31,7 @@ export function imageOf(values, width, height, isClear = false) {
 }
 
 export class Stage {
-  // onState(text, share): what the picture is; share 1 when it is as fine as it gets.
+  // onState(text, share): the state of the picture; share 1 when it is as fine as possible.
   constructor(renderer, { onState, onError }) {
     Object.assign(this, { renderer, onState, onError });
     this.canvas = renderer.canvas;
@@ -45,11 +45,11 @@ export class Stage {
     this.waiting = [];
   }
 
-  // Whether what moves is not yet to be seen.
+  // Whether a movement is not visible yet.
   get isDrawing() { return this.isDirty || Boolean(this.coarse); }
   get aspect() { return this.canvas.width / this.canvas.height; }
 
-  // Takes the size of the element on the page.
+  // Adopts the size of the element on the page.
   fit() {
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     let width = Math.max(16, Math.round(this.canvas.clientWidth * ratio)), height = Math.max(16, Math.round(this.canvas.clientHeight * ratio));
@@ -73,9 +73,9 @@ export class Stage {
     this.schedule();
   }
 
-  // The picture of a shot apart from that on the stage: {image, values}, where values are linear with the coverage, from
-  // the lowest row up; null: it was dropped. owner: whom it is for; those of lower rank come first.
-  // isFiner: with more rays a pixel, where the graphics are fast.
+  // The picture of a shot apart from that on the stage: {image, values}, where values are linear, with the coverage,
+  // from the lowest row up; null if it was dropped. owner: its requester; owners of lower rank come first.
+  // isFiner: with more rays per pixel, if the GPU is fast.
   drawSmall(shot, width, height, { owner = "", rank = 0, isFiner = false } = {}) {
     return new Promise((resolve, reject) => {
       const at = this.smalls.findIndex((one) => one.rank > rank);
@@ -93,13 +93,13 @@ export class Stage {
     }
     for (const { resolve } of dropped) resolve(null);
   }
-  // While other pictures cover the stage they come first.
+  // Other pictures come first while they cover the stage.
   cover(on) {
     this.isCovered = on;
     this.schedule();
   }
 
-  // Once the picture is as fine as it gets.
+  // Resolves when the picture is as fine as possible.
   settled() {
     return new Promise((resolve) => {
       this.waiting.push(resolve);
@@ -161,7 +161,7 @@ export class Stage {
     return this.tickSmall();
   }
 
-  // once: how long one ray a pixel is likely to take, milliseconds
+  // once: the expected time for one ray per pixel, milliseconds
   beginFine(once) {
     const { width, height } = this.canvas;
     this.fine = new Exposure(this.renderer, width, height, this.wanted,
@@ -195,7 +195,7 @@ export class Stage {
     return true;
   }
 
-  // The finest rows that there are.
+  // The finest rows so far.
   show() {
     const fine = this.fine;
     const show = (one, ...rows) => this.renderer.show(one, rows[0], isClear(this.wanted));
@@ -204,7 +204,7 @@ export class Stage {
     if (fine) show(fine.targets[0], fine.row);
   }
 
-  // The finest picture as an image, for a file.
+  // The finest picture so far as an image, for a file.
   image() {
     const from = this.fine?.picture ?? this.shown?.picture;
     return from ? imageOf(this.renderer.read(from), from.width, from.height, isClear(this.wanted)) : null;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of the page: what the recipe and the picture are. It can be undone, and it lives in the address, so that a
-// link is a look.
+// The state of the page: the recipe and the picture. It can be undone, and it is in the address, so that a link is a
+// look.
 import { LOOK_OPTIONS } from "./lighting.js";
 
 const KEPT_STEPS = 300;
 
-// The state as the part of an address behind '#': of the recipe only what differs from the first one.
+// The state as the part of an address behind '#'. Of the recipe, it has only the differences from the first one.
 export function hashOf(state, first) {
   const recipe = {};
   for (const name of new Set([...Object.keys(state.recipe), ...Object.keys(first.recipe)]))
@@ -15,7 +15,7 @@ export function hashOf(state, first) {
 
 const isNumbers = (value, count) => Array.isArray(value) && value.length === count && value.every(Number.isFinite);
 
-// The state of an address; null if it is none. What it holds is checked: anybody may have written it.
+// The state in an address; null if there is none. Its content is checked, because anybody may have written it.
 export function stateOfHash(hash, first) {
   let read;
   try {
@@ -48,7 +48,8 @@ export function checkedLook(look) {
   return checked;
 }
 
-// options: of the material and the light, all text; samples: rays a pixel at rest; 0 leaves it to the speed of the GPU.
+// options: of the material and the light, all text; samples: rays per pixel at rest; 0: as many as the speed of the GPU
+// allows.
 export function usualLook() {
   return { options: {}, samples: 0, clip: { axis: "", at: 0.5, flip: false } };
 }
@@ -63,11 +64,11 @@ export class Store {
     this.listeners = [];
   }
 
-  // listener(state, isMoving): after each change; isMoving while a control is being dragged.
+  // listener(state, isMoving): called after each change; isMoving while a control is being dragged.
   listen(listener) { this.listeners.push(listener); }
   tell(isMoving) { for (const listener of this.listeners) listener(this.state, isMoving); }
 
-  // mutate(state) changes it. A change that goes on is not a step of its own, and is not yet in the address.
+  // mutate(state) changes it. A change that is still in progress is not a step of its own, and not in the address yet.
   change(mutate, isMoving = false) {
     mutate(this.state);
     if (!isMoving) this.commit();
@@ -84,7 +85,7 @@ export class Store {
     this.writeAddress();
   }
 
-  // The present state without a step: what nobody did.
+  // Changes the state without a step, for changes that the user has not made.
   settle() {
     this.steps[this.at] = JSON.stringify(this.state);
     this.writeAddress();

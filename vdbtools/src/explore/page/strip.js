@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Below the picture: sixteen looks around this one, and the looks that were kept.
+// Below the picture: sixteen looks around the current one, and the looks that were kept.
 import { button, element } from "./widgets.js";
 
 // page: {store, stage, variations, choices, kept, scene()}
@@ -28,7 +28,7 @@ export function makeStrip(page) {
     return [...names, ...Object.entries(look.options)].map(([name, value]) => `${name} ${value}`).join(", ") || "the first look";
   }
 
-  // What can be varied goes with the map at hand.
+  // The controls that can be varied depend on the current map.
   function update(state) {
     const fits = variations.of(state.recipe), names = fits.map((one) => one.name).join();
     if (select.dataset.names !== names) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The target beside the fractal: its triangles by the same camera, light and material, without shadows.
+// The target beside the fractal: its triangles with the same camera, light and material, without shadows.
 import { cameraFrame, lightDirections } from "./renderer.js";
 
 const VERTEX = `#version 300 es
@@ -33,8 +33,8 @@ void main() {
 `;
 
 export class TargetView {
-  // bytes: the numbers of points and triangles, points about the middle of the box in shares of its longest side,
-  // triangles. target: {box, longestSide}
+  // bytes: the numbers of points and triangles; the points, relative to the middle of the box and in units of its
+  // longest side; the triangles. target: {box, longestSide}
   constructor(canvas, bytes, target) {
     const [points, triangles] = new Uint32Array(bytes, 0, 2), gl = canvas.getContext("webgl2", { antialias: true });
     Object.assign(this, { canvas, gl, target, indices: 3 * triangles });
@@ -58,7 +58,7 @@ export class TargetView {
     gl.clearColor(0.87, 0.87, 0.87, 1);
   }
 
-  // light: numbers, as lighting.js has them
+  // light: numbers, as in lighting.js
   draw(view, light) {
     const { gl, canvas, program, target } = this, ratio = Math.min(2, window.devicePixelRatio || 1);
     canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));

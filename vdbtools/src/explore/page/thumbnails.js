@@ -6,7 +6,7 @@ import { usualLook } from "./store.js";
 
 const THUMBNAILS_OWNER = "thumbnails", RANK = 9;
 const NODES = 64, SIDE = 80;  // of the exponent, and pixels of the page
-const PATIENCE_EACH = 8000;   // milliseconds; where a scene takes longer, the pictures stay those of another target
+const PATIENCE_EACH = 8000;  // milliseconds; if a scene takes longer, the pictures stay those of another target
 const REST = 300;
 
 const rest = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
@@ -17,13 +17,13 @@ export class Thumbnails {
     Object.assign(this, { page, tiles, asking: null, left: [...tiles.keys()] });
   }
 
-  // Whoever asks for something else is not to wait for a thumbnail.
+  // Other requests do not wait for a thumbnail.
   giveWay() {
     this.asking?.abort();
     this.page.stage.dropSmalls(THUMBNAILS_OWNER);
   }
 
-  // Those that are not made yet keep their pictures of another target.
+  // Textures whose picture is not made yet keep that of another target.
   stop() {
     this.left = [];
     this.giveWay();
@@ -55,7 +55,7 @@ export class Thumbnails {
         image.src = canvas.toDataURL("image/png");
         image.dataset.own = "true";
       } catch (error) {
-        // A texture that this recipe cannot have keeps its picture; so do all if the server has gone.
+        // A texture that this recipe cannot have keeps its picture, and all do if the server is gone.
         if (error.name !== "AbortError" && error.status === undefined) return;
         if (error.name === "AbortError") continue;
       }

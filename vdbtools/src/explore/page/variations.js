@@ -13,8 +13,8 @@ const tidied = (value, digits = 3) => String(Number(value.toPrecision(digits)));
 const clamped = (value, low, high) => Math.min(high, Math.max(low, value));
 const numberOf = (text) => FREQUENCIES[text] ?? Number(text);
 
-// What can be varied, what matters most first. low, high: the whole range; log: each step multiplies; whole: whole
-// numbers only; isLive: the shaders show it without another scene.
+// The options that can be varied, the most important first. low, high: the whole range; log: each step multiplies;
+// whole: whole numbers only; isLive: the shaders show it without another scene.
 const VARIATIONS = [
   { name: "texture", label: "Textures" },
   { name: EVERYTHING, label: "A little of everything" },
@@ -30,8 +30,8 @@ const VARIATIONS = [
   { name: "power", label: "Power", usual: 8, low: 2, high: 17, whole: true, isLive: true },
 ];
 
-// The controls of which neighbours have a little more or less. by: how much, as a number or, where log, as a factor's
-// logarithm; components: of a list of numbers.
+// The options by which neighbours differ a little. by: the difference, as a number or, with log, as the logarithm of a
+// factor; components: of a list of numbers.
 const LITTLES = [
   { name: "detail", by: 0.2, low: 0.02, high: 1 },
   { name: "outward", by: 0.15, low: 0, high: 0.5 },
@@ -82,7 +82,7 @@ export class Variations {
     return name === "iterations" || name === "colour" || (name === "c" && Boolean(scene.constant) && scene.map !== "shape-modulus");
   }
 
-  // [{name, label}] of what a recipe has.
+  // [{name, label}] of the options that a recipe has.
   of(recipe) {
     return VARIATIONS.filter(({ name }) => name === EVERYTHING ? this.littlesOf(recipe).length > 0 : this.has(name, recipe));
   }
@@ -93,7 +93,7 @@ export class Variations {
     return LITTLES.filter((little) => this.has(little.name, recipe) && this.now(little, recipe) !== null);
   }
 
-  // The numbers of an option; null: it has others, a ramp say.
+  // The numbers of an option; null if its value is something else, such as a ramp.
   now({ name, usual, components = 1 }, recipe) {
     const given = recipe[name] ?? this.page.options.usual(name, recipe) ?? this.shownValue(name) ?? usual;
     if (given === undefined || given === "") return null;
@@ -105,8 +105,8 @@ export class Variations {
     return { c: scene?.constant?.join(","), power: scene?.power, slice: scene?.slice, iterations: scene?.iterations }[name];
   }
 
-  // Sixteen looks around a recipe: [{label, recipe}], none of which is the recipe itself where isAround.
-  // spread: how far they are, as a share of the usual.
+  // Sixteen looks around a recipe: [{label, recipe}]. With isAround, the recipe itself is not among them.
+  // spread: their distance, relative to the usual one.
   around(name, recipe, { isAround = false, spread = 1 } = {}) {
     if (name === EVERYTHING) return this.neighbours(recipe, spread);
     const one = VARIATIONS.find((variation) => variation.name === name);
@@ -124,7 +124,7 @@ export class Variations {
     return other;
   }
 
-  // The shelf, and random roots for the rest.
+  // The textures of the shelf; the remaining looks have random roots.
   textures(recipe, isAround) {
     const { options, start } = this.page, names = start.textures.map((texture) => texture.name);
     for (let seed = 1; names.length <= CHOICES; ++seed) names.push(`random ${seed}`);
@@ -146,19 +146,20 @@ export class Variations {
     return Array.from({ length: CHOICES }, (_, i) => String(first + i));
   }
 
-  // Evenly over the range; around a value over a part of it that has the value in its middle, without the value.
+  // Values evenly over the range; or, around a value, over a part of the range with that value in its middle, without
+  // it.
   values({ name, usual, low, high, log, whole }, recipe, isAround, spread) {
     const at = (value) => log ? Math.log(value) : value, from = (value) => log ? Math.exp(value) : value;
     const tidy = (value) => whole ? String(Math.max(low, Math.round(value))) : tidied(Math.abs(value) < 1e-9 ? 0 : value);
     const now = clamped(this.now({ name, usual }, recipe)?.[0] ?? usual, log ? low / 10 : -Infinity, Infinity);
     if (!isAround) {
-      // Where zero is the usual value, around the one at hand.
+      // If zero is the default, around the current value.
       const middle = name === "slice" ? now : 0;
       return this.distinct(Array.from({ length: CHOICES }, (_, i) => tidy(middle + from(at(low) + (at(high) - at(low)) * i / (CHOICES - 1)))));
     }
     const half = CHOICES / 2, step = whole ? 1 : (at(high) - at(low)) * spread / CHOICES;
     const texts = [];
-    // What would be out of the range on one side goes on at the other.
+    // A value beyond one end of the range continues at the other end.
     for (let k = 1; texts.length < CHOICES && k <= 4 * half; ++k)
       for (const side of [-k, k]) {
         const value = from(at(now) + side * step);
@@ -178,7 +179,7 @@ export class Variations {
         const chosen = random() < 0.45, moves = Array.from({ length: little.components ?? 1 }, () => 2 * random() - 1);
         if (!chosen && i !== must) return;
         const numbers = this.now(little, recipe), text = numbers.map((value, k) => {
-          // Not too little: a neighbour that looks the same is no choice.
+          // Not too little: a neighbour that looks the same is useless.
           const move = little.by * spread * Math.sign(moves[k]) * (0.35 + 0.65 * Math.abs(moves[k]));
           return tidied(clamped(little.log ? value * Math.exp(move) : value + move, little.low, little.high));
         }).join(",");

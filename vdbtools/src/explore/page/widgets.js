@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Elements of the page. All text goes in as text, never as HTML.
+// Elements of the page. Text is always inserted as text, never as HTML.
 
 let lastId = 0;
 
@@ -23,8 +23,9 @@ export function group(title, ...children) {
 
 const tidy = (value) => String(Number(value.toPrecision(6)));
 
-// A control is {element, update(state)}. Its value is a text of the recipe or a part of the look.
-// name: the option that it belongs to. read(state): the value, or undefined if it is the usual one; write(state, value): undefined sets it back.
+// A control is {element, update(state)}. Its value is a text in the recipe, or a part of the look.
+// name: the option to which it belongs. read(state): the value, or undefined for the default; write(state, value):
+// undefined sets the default.
 function row({ label, name: option, help = "", read, write }, store, input, extra = []) {
   const id = `control-${++lastId}`;
   input.id = id;

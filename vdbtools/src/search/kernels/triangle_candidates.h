@@ -371,11 +371,13 @@ struct NearestLanes {
   unsigned lane() const { return leastLane(squared); }
 };
 
-/// Many candidates, of which most are far from any single node: triangles much smaller than a voxel, as those of scans.
-/// Spheres about them tell which are near a cube or a node, and only the frames of those are made. A triangle lies
-/// behind the plane through its foremost corner, seen from a position p: if m is its centroid and w = p - m, its
-/// distance is at least |w| less the greatest w v / |w|, where v are the vectors from m to the corners. Therefore the
-/// bound of triangle_bodies.h is that of m, less this or less the radius.
+/// The candidates where most of them are far from any single node, because the triangles are much smaller than a voxel,
+/// as those of scans. Each triangle is enclosed in a sphere about its centroid; tests of the spheres leave out most
+/// triangles, and only the others are set up for exact distances.
+/// The tests are those of triangle_bodies.h for the centroid m, with an allowance for the distance being less than |w|,
+/// where w = p - m, and p is the position. The radius of the sphere is one allowance. A better one is the greatest w v
+/// / |w| over the vectors v from m to the corners, because no point of the triangle is nearer to p along w than its
+/// foremost corner.
 class ManyCandidates {
  public:
   /// @param packs  of the block about @a middle

@@ -44,7 +44,7 @@ struct BoxNode {
 struct TreeView {
   const TrianglePack* packs;  ///< for nearest() and collect()
   const PackNumbers* numbers;
-  const PackFrames* frames;  ///< null: they are made again for each block
+  const PackFrames* frames;  ///< null: they are computed again for each block
   const BoxNode* levels[kMostLevels];
   unsigned levelCount;
   double centre[3];
@@ -93,7 +93,7 @@ struct Kernels {
   std::uint32_t (*gather)(const TreeView&, const double middle[3], float half, float far, const std::uint32_t* nodes,
                           std::uint32_t nodeCount, std::uint32_t* packs, std::uint32_t capacity);
 
-  /// Makes the frames of some packs.
+  /// Computes the frames of some packs.
   void (*makeFrames)(const TreeView&, std::uint32_t first, std::uint32_t count, PackFrames* frames);
 
   /// Finds the nearest triangles of the 8^3 nodes about @a middle, and their distances.
