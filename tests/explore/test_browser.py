@@ -592,7 +592,7 @@ class Browser(browser.BrowserTest):
         self.assertEqual(shown(), before)
         # By the name of the option, in any group.
         for option in self.run_script("return fetch('start').then((one) => one.json()).then((one) => one.options.filter((option) =>"
-                                      " option.maps.includes('shape-modulus') && option.group !== 'target').map((option) => option.name))"):
+                                      " option.maps.includes('shape-modulus') && option.group !== 'target').map((option) => option.entry))"):
             if option in ("alpha", "beta", "resolution", "box", "map", "versor"):
                 continue  # not with detail, elsewhere on the page, or a shelf
             self.run_script("const field = document.querySelector('.finder input'); field.value = arguments[0]; field.dispatchEvent(new Event('input'))", option)

@@ -12,6 +12,9 @@ const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "ori
   "versor-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
   "colour"];
 
+// An exported page does not know the program's defaults. These leave the texture as it is.
+export const UNCHANGED = { "versor-scale": "1", "versor-translate": "0,0,0" };
+
 const OWN_RAMP = "#101820,#c0392b,#f7dc6f";
 
 // The rest of the options, by the groups of the program's help.
@@ -22,16 +25,18 @@ const OTHER_GROUPS = [["More of the map and the texture", "map"], ["Space", "spa
 export class Options {
   constructor(start) {
     this.list = start.options ?? [];
-    this.byName = new Map(this.list.map((option) => [option.name, option]));
+    this.byName = new Map(this.list.map((option) => [option.entry, option]));
     this.firstMap = start.maps?.[0]?.name ?? "shape-modulus";
   }
 
   mapOf(recipe) { return recipe.map ?? this.firstMap; }
   has(name, recipe) { return this.byName.get(name)?.maps.includes(this.mapOf(recipe)) ?? false; }
+  // The words that an option takes.
+  words(name) { return this.byName.get(name)?.argument.split("|") ?? []; }
   usual(name, recipe) { return name === "map" ? this.firstMap : this.byName.get(name)?.defaults?.[this.mapOf(recipe)]; }
   help(name) { return this.byName.get(name)?.help ?? ""; }
   // The entry of a recipe that an option sets: "versor-seed" for "texture-seed".
-  entryOf(option) { return this.list.find((one) => one.option === option)?.name ?? option; }
+  entryOf(option) { return this.list.find((one) => one.name === option)?.entry ?? option; }
 
   // Sets an option; what says the same in another way goes.
   set(recipe, name, value) {
@@ -86,8 +91,7 @@ export function makeControls(page) {
     updates.push(control.update);
     return control.element;
   };
-  const fallbacks = { iterations: "5", slice: "0", "versor-roots": "10", "versor-placement": "box", "versor-scale": "1", power: "8", "versor-seed": "1" };
-  const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : fallbacks[name] ?? "");
+  const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : UNCHANGED[name] ?? "");
   // A slider of an option.
   const number = (name, label, limits, live) => add(slider(store, {
     label, name, help: options.help(name), ...limits, usual: usualOf(name, live), read: (state) => state.recipe[name],
@@ -111,7 +115,7 @@ export function makeControls(page) {
       },
     }));
   });
-  const chosen = (name, label, values) => add(choice(store, {
+  const chosen = (name, label, values = options.words(name)) => add(choice(store, {
     label, name, help: options.help(name), values, usual: usualOf(name), read: (state) => state.recipe[name],
     write: (state, value) => options.set(state.recipe, name, value === usualOf(name)(state) ? undefined : value),
   }));
@@ -150,12 +154,12 @@ export function makeControls(page) {
   function mapControls() {
     const isOpen = (one) => one.target !== "needed" || start.target;
     return group("Map", chosen("map", "Map", start.maps.filter(isOpen).map((one) => one.name)),
-      when(isMap("cross"), chosen("pair", "Pair", ["A", "A'", "B", "C", "D", "E", "user"]), chosen("scheme", "Scheme", ["3", "4", "5"]),
+      when(isMap("cross"), chosen("pair", "Pair"), chosen("scheme", "Scheme"),
         when((recipe) => recipe.pair === "user" || recipe.f || recipe.g, line("f", "f"), line("g", "g")),
         when((recipe) => recipe.scheme === "5", ...vector("c", ["c x", "c y", "c z"], { min: -2, max: 2, step: 0.01 }))),
       when(isMap("quadratic"), flag("mandelbrot", "Mandelbrot set"),
         when((recipe) => !recipe.mandelbrot, ...vector("c", ["c real", "c i", "c j", "c k"], { min: -1.5, max: 1.5, step: 0.005 }))),
-      when(isMap("mandelbulb"), number("power", "Power", { min: 1, max: 16, step: 0.25 }), chosen("theta", "Second angle from", ["plane", "pole"]),
+      when(isMap("mandelbulb"), number("power", "Power", { min: 1, max: 16, step: 0.25 }), chosen("theta", "Second angle from"),
         line("c", "Constant of a Julia set")));
   }
 
@@ -316,19 +320,21 @@ export function makeControls(page) {
 
   // What else there is to a texture.
   function rootControls() {
+    const usualPowers = (state) => options.usual("versor-powers", state.recipe) ?? "";
     const powers = (label, i) => add(slider(store, {
-      label, name: "versor-powers", help: options.help("versor-powers"), min: 1, max: 20, step: 1, usual: () => String([2, 11][i]),
+      label, name: "versor-powers", help: options.help("versor-powers"), min: 1, max: 20, step: 1,
+      usual: (state) => usualPowers(state).split(":")[i],
       read: (state) => state.recipe["versor-powers"]?.split(":")[i],
       write: (state, value) => {
         if (value === undefined) return options.set(state.recipe, "versor-powers", undefined);
-        const range = (state.recipe["versor-powers"] ?? "2:11").split(":").map(Number);
+        const range = (state.recipe["versor-powers"] ?? usualPowers(state)).split(":").map(Number);
         range[i] = Number(value);
         options.set(state.recipe, "versor-powers", i === 0 ? `${range[0]}:${Math.max(...range)}` : `${Math.min(...range)}:${range[1]}`);
       },
     }));
     const part = group("Scale and place of the texture",
       when(isRandomVersor, number("versor-roots", "Roots", { min: 1, max: 60, step: 1 }), powers("Least power", 0), powers("Greatest power", 1),
-        flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed", ["box", "inside", "surface", "cluster"]),
+        flag("versor-integer", "Whole powers"), chosen("versor-placement", "Placed"),
         when((recipe) => recipe["versor-placement"] === "surface", line("versor-distance", "How far from it")),
         when((recipe) => recipe["versor-placement"] === "cluster", line("versor-centre", "Centre of the cluster"), line("versor-radius", "Its radius"))),
       ...rootPlaces());
@@ -360,13 +366,13 @@ export function makeControls(page) {
     }))));
 
   if (!page.isExported) {
-    const others = options.list.filter((option) => !OWN_CONTROLS.includes(option.name) && option.group !== "target");
+    const others = options.list.filter((option) => !OWN_CONTROLS.includes(option.entry) && option.group !== "target");
     for (const [title, name] of OTHER_GROUPS) {
       const own = others.filter((option) => option.group === name);
       if (own.length === 0) continue;
       const part = group(title, ...own.map((option) =>
-        when((recipe) => options.has(option.name, recipe), option.argument ? line(option.name, option.option) : flag(option.name, option.option))));
-      updates.push((state) => { part.hidden = !own.some((option) => options.has(option.name, state.recipe)); });
+        when((recipe) => options.has(option.entry, recipe), option.argument ? line(option.entry, option.name) : flag(option.entry, option.name))));
+      updates.push((state) => { part.hidden = !own.some((option) => options.has(option.entry, state.recipe)); });
       all.push(part);
     }
     // What matters first is open; the rest is found by its title, or by typing.

@@ -5,10 +5,6 @@
 import { server } from "./server.js";
 
 export const LOOK_OPTIONS = ["material", "light", "sky", "ground", "background", "exposure"];
-const USUAL = { material: "clay", light: "-48,41", sky: "1", ground: "", background: "", exposure: "0" };
-const CLAY = { albedo: [0.55, 0.32, 0.21], gloss: [0.1, 0.1, 0.1], sharpness: 18, mirrors: false };
-
-const keyOf = (options) => JSON.stringify(LOOK_OPTIONS.map((name) => options[name] ?? USUAL[name]));
 const linearOf = (code) => code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4;
 
 // "-48,41" as numbers; null if it is none.
@@ -20,24 +16,26 @@ export function lightAngles(text) {
 export class Lighting {
   // start: what the server, or the exported page, says at first. first: the options that the exported page begins with
   constructor(start, first) {
-    this.materials = new Map(Object.entries(start.materials ?? { clay: CLAY }));
-    this.about = new Map((start.looks ?? []).map((option) => [option.name, option]));
+    this.materials = new Map(Object.entries(start.materials));
+    this.about = new Map(start.looks.map((option) => [option.name, option]));
     this.known = new Map();
     this.isAsked = !start.exported;
-    if (start.lookData) this.known.set(keyOf(first), start.lookData);
+    if (start.lookData) this.known.set(this.keyOf(first), start.lookData);
     this.latest = null;
   }
 
-  usual(name) { return this.about.get(name)?.default ?? USUAL[name]; }
+  usual(name) { return this.about.get(name)?.default ?? ""; }
+  keyOf(options) { return JSON.stringify(LOOK_OPTIONS.map((name) => options[name] ?? this.usual(name))); }
   help(name) { return this.about.get(name)?.help ?? ""; }
   isNamed(material) { return this.materials.has(material); }
 
   // The numbers behind texts; where some of them are not understood, those before them.
   numbersOf(options) {
-    const known = this.known.get(keyOf(options));
+    const known = this.known.get(this.keyOf(options));
     if (known) return this.latest = known;
-    const before = this.latest ?? { material: CLAY, light: lightAngles(USUAL.light), background: null }, text = (name) => options[name] ?? USUAL[name];
-    const number = (name, low, high) => Math.min(high, Math.max(low, Number.isFinite(Number(text(name))) ? Number(text(name)) : Number(USUAL[name])));
+    const usual = { material: this.materials.get(this.usual("material")), light: lightAngles(this.usual("light")), background: null };
+    const before = this.latest ?? usual, text = (name) => options[name] ?? this.usual(name);
+    const number = (name, low, high) => Math.min(high, Math.max(low, Number.isFinite(Number(text(name))) ? Number(text(name)) : Number(this.usual(name))));
     const code = /^#([0-9a-f]{6})$/i.exec(text("background"))?.[1];
     return this.latest = {
       material: this.materials.get(text("material")) ?? before.material,
@@ -50,7 +48,7 @@ export class Lighting {
 
   // Has the server read the texts. Whether the numbers are others than before; throws what it says of wrong ones.
   async read(options) {
-    const key = keyOf(options);
+    const key = this.keyOf(options);
     if (!this.isAsked || this.known.has(key)) return false;
     this.known.set(key, await server.look(options));
     if (this.known.size > 200) this.known.delete(this.known.keys().next().value);

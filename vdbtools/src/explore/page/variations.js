@@ -2,7 +2,7 @@
 // Sixteen looks around one: the values of a control, or neighbours in which several controls differ a little. The same
 // look always has the same neighbours.
 import { BY_GRADIENT, colourOf, colourText } from "./colours.js";
-import { chooseTexture, followsThickness, isRandomVersor, setSeed } from "./controls.js";
+import { chooseTexture, followsThickness, isRandomVersor, setSeed, UNCHANGED } from "./controls.js";
 import { GRADIENTS } from "./renderer.js";
 
 export const CHOICES = 16;
@@ -14,20 +14,20 @@ const clamped = (value, low, high) => Math.min(high, Math.max(low, value));
 const numberOf = (text) => FREQUENCIES[text] ?? Number(text);
 
 // What can be varied, what matters most first. low, high: the whole range; log: each step multiplies; whole: whole
-// numbers only; isLive: the shaders show it without another scene.
+// numbers only; usual: the middle where the program has no default; isLive: the shaders show it without another scene.
 const VARIATIONS = [
   { name: "versor", label: "Textures" },
   { name: EVERYTHING, label: "A little of everything" },
-  { name: "versor-seed", label: "Seeds", usual: 1 },
-  { name: "frequency", label: "Frequency", usual: 2, low: 0.5, high: 6, log: true },
-  { name: "detail", label: "Detail", usual: 0.3, low: 0.05, high: 0.8 },
-  { name: "outward", label: "Outward", usual: 0.3, low: 0, high: 0.45 },
+  { name: "versor-seed", label: "Seeds" },
+  { name: "frequency", label: "Frequency", low: 0.5, high: 6, log: true },
+  { name: "detail", label: "Detail", low: 0.05, high: 0.8 },
+  { name: "outward", label: "Outward", low: 0, high: 0.45 },
   { name: "alpha", label: "Alpha", usual: 40, low: 4, high: 300, log: true },
   { name: "colour", label: "Colours", isLive: true },
-  { name: "versor-scale", label: "Scale of the texture", usual: 1, low: 0.4, high: 4, log: true, isLive: true },
-  { name: "slice", label: "Slice", usual: 0, low: -0.3, high: 0.3, isLive: true },
-  { name: "iterations", label: "Iterations", usual: 5, low: 1, high: 16, whole: true, isLive: true },
-  { name: "power", label: "Power", usual: 8, low: 2, high: 17, whole: true, isLive: true },
+  { name: "versor-scale", label: "Scale of the texture", low: 0.4, high: 4, log: true, isLive: true },
+  { name: "slice", label: "Slice", low: -0.3, high: 0.3, isLive: true },
+  { name: "iterations", label: "Iterations", low: 1, high: 16, whole: true, isLive: true },
+  { name: "power", label: "Power", low: 2, high: 17, whole: true, isLive: true },
 ];
 
 // The controls of which neighbours have a little more or less. by: how much, as a number or, where log, as a factor's
@@ -35,14 +35,14 @@ const VARIATIONS = [
 const LITTLES = [
   { name: "detail", by: 0.2, low: 0.02, high: 1 },
   { name: "outward", by: 0.15, low: 0, high: 0.5 },
-  { name: "frequency", by: 0.6, low: 0.3, high: 8, log: true, usual: "2" },
+  { name: "frequency", by: 0.6, low: 0.3, high: 8, log: true },
   { name: "alpha", by: 0.8, low: 1, high: 400, log: true },
   { name: "beta", by: 0.04, low: -0.2, high: 0.2 },
-  { name: "versor-scale", by: 0.35, low: 0.2, high: 5, log: true, usual: "1", isLive: true },
-  { name: "versor-translate", by: 0.12, low: -0.5, high: 0.5, components: 3, usual: "0,0,0", isLive: true },
-  { name: "slice", by: 0.12, low: -1, high: 1, usual: "0", isLive: true },
+  { name: "versor-scale", by: 0.35, low: 0.2, high: 5, log: true, isLive: true },
+  { name: "versor-translate", by: 0.12, low: -0.5, high: 0.5, components: 3, isLive: true },
+  { name: "slice", by: 0.12, low: -1, high: 1, isLive: true },
   { name: "c", by: 0.12, low: -2, high: 2, components: 4, isLive: true },
-  { name: "power", by: 1.5, low: 1.5, high: 16, usual: "8", isLive: true },
+  { name: "power", by: 1.5, low: 1.5, high: 16, isLive: true },
 ];
 
 // Random numbers from 0 to 1, the same for the same text.
@@ -94,8 +94,8 @@ export class Variations {
   }
 
   // The numbers of an option; null: it has others, a ramp say.
-  now({ name, usual, components = 1 }, recipe) {
-    const given = recipe[name] ?? this.page.options.usual(name, recipe) ?? this.shownValue(name) ?? usual;
+  now({ name, components = 1 }, recipe) {
+    const given = recipe[name] ?? this.page.options.usual(name, recipe) ?? this.shownValue(name) ?? UNCHANGED[name];
     if (given === undefined || given === "") return null;
     const numbers = String(given).split(",").map(numberOf);
     return numbers.every(Number.isFinite) && numbers.length <= Math.max(components, 1) ? numbers : null;
@@ -124,12 +124,14 @@ export class Variations {
     return other;
   }
 
+  seedOf(recipe) { return recipe["versor-seed"] ?? this.page.options.usual("versor-seed", recipe); }
+
   // The shelf, and random roots for the rest.
   textures(recipe, isAround) {
     const { options, start } = this.page, names = start.textures.map((texture) => texture.name);
     for (let seed = 1; names.length <= CHOICES; ++seed) names.push(`random ${seed}`);
     if (!isAround) return names.slice(0, CHOICES);
-    const now = isRandomVersor(recipe) ? `random ${recipe["versor-seed"] ?? 1}` : recipe.versor ?? options.usual("versor", recipe);
+    const now = isRandomVersor(recipe) ? `random ${this.seedOf(recipe)}` : recipe.versor ?? options.usual("versor", recipe);
     const at = Math.max(0, names.indexOf(now));
     return names.map((_, i) => names[(at + i) % names.length]).filter((name) => name !== now).slice(0, CHOICES);
   }
@@ -142,7 +144,7 @@ export class Variations {
   }
 
   seeds(recipe, isAround) {
-    const now = Number(recipe["versor-seed"] ?? 1) || 0, first = isAround ? now + 1 : Math.max(0, now - 3);
+    const now = Number(this.seedOf(recipe)) || 0, first = isAround ? now + 1 : Math.max(0, now - 3);
     return Array.from({ length: CHOICES }, (_, i) => String(first + i));
   }
 
@@ -150,11 +152,12 @@ export class Variations {
   values({ name, usual, low, high, log, whole }, recipe, isAround, spread) {
     const at = (value) => log ? Math.log(value) : value, from = (value) => log ? Math.exp(value) : value;
     const tidy = (value) => whole ? String(Math.max(low, Math.round(value))) : tidied(Math.abs(value) < 1e-9 ? 0 : value);
-    const now = clamped(this.now({ name, usual }, recipe)?.[0] ?? usual, log ? low / 10 : -Infinity, Infinity);
+    const middle = this.now({ name }, recipe)?.[0] ?? numberOf(this.page.options.usual(name, recipe) ?? usual);
+    const now = clamped(middle, log ? low / 10 : -Infinity, Infinity);
     if (!isAround) {
       // Where zero is the usual value, around the one at hand.
-      const middle = name === "slice" ? now : 0;
-      return this.distinct(Array.from({ length: CHOICES }, (_, i) => tidy(middle + from(at(low) + (at(high) - at(low)) * i / (CHOICES - 1)))));
+      const shift = name === "slice" ? now : 0;
+      return this.distinct(Array.from({ length: CHOICES }, (_, i) => tidy(shift + from(at(low) + (at(high) - at(low)) * i / (CHOICES - 1)))));
     }
     const half = CHOICES / 2, step = whole ? 1 : (at(high) - at(low)) * spread / CHOICES;
     const texts = [];
