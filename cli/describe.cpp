@@ -4,10 +4,14 @@
 #include "options.h"
 
 #include "vdbtools/maps/texture_shelf.h"
+#include "vdbtools/recipe/option_data.h"
 #include "vdbtools/recipe/option_value.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <ostream>
 #include <sstream>
 
@@ -100,8 +104,20 @@ std::string summaryOf(const std::string& description) {
   return text;
 }
 
+/// What the tables say of their options, by the names of these. A command's own option hides that of its recipe.
+std::map<std::string, nlohmann::json> tableData(const vdbtools::OptionTable& own, const vdbtools::OptionTable& recipe) {
+  std::map<std::string, nlohmann::json> data;
+  for (const nlohmann::json& option : nlohmann::json::parse(vdbtools::optionData(own)))
+    data.emplace(option["name"], option);
+  for (nlohmann::json& option : nlohmann::json::parse(vdbtools::optionData(recipe))) {
+    option["recipe"] = true;
+    data.emplace(option["name"], option);
+  }
+  return data;
+}
+
 /// Writes paragraphs, and tables whose lines are indented: "  NAME   meaning", with continuation lines of the meaning.
-void writeDescription(std::ostream& stream, const std::string& description) {
+void writeManualText(std::ostream& stream, const std::string& description) {
   std::istringstream lines(description);
   bool table = false;
   for (std::string line; std::getline(lines, line);) {
@@ -169,7 +185,7 @@ void writeManualPage(std::ostream& stream, const Usage& usage, const std::vector
          << manualText(page) << " \\- " << manualText(summaryOf(usage.description)) << "\n.SH SYNOPSIS\n.B juliavdb "
          << manualText(usage.command) << "\n"
          << manualText(usage.synopsis) << "\n.SH DESCRIPTION\n";
-  writeDescription(stream, usage.description);
+  writeManualText(stream, usage.description);
   stream << ".SH OPTIONS\n";
   for (const OptionGroup& group : groups) {
     stream << ".SS " << manualText(group.heading) << '\n';
@@ -190,6 +206,27 @@ void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::v
       stream << "--" << option.name << what;
       if (option.letter != 0) stream << '-' << option.letter << what;
     }
+}
+
+void writeDescription(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups,
+                      const vdbtools::OptionTable& own, const vdbtools::OptionTable& recipe) {
+  using nlohmann::json;
+  const std::map<std::string, json> tables = tableData(own, recipe);
+  json description = {{"command", usage.command}, {"groups", json::array()}};
+  for (const OptionGroup& group : groups) {
+    json described = json::array();
+    for (const Option& option : optionsOf(group)) {
+      const auto found = tables.find(option.name);
+      json data = found != tables.end()
+                      ? found->second
+                      : json{{"name", option.name}, {"argument", option.argument}, {"help", option.help}};
+      if (!option.fallback.empty()) data["default"] = option.fallback;
+      if (option.letter != 0) data["letter"] = std::string(1, option.letter);
+      described.push_back(std::move(data));
+    }
+    description["groups"].push_back({{"heading", group.heading}, {"options", std::move(described)}});
+  }
+  stream << description.dump(1) << '\n';
 }
 
 }  // namespace cli

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file describe.h
-/// Describes a command for readers other than `--help`: as a manual page, and as a table from which a shell completes
-/// the words of a command line.
+/// Describes a command for readers other than `--help`: as a manual page, as a table from which a shell completes the
+/// words of a command line, and as JSON for other programs.
 #pragma once
+
+#include "vdbtools/recipe/option_table.h"
 
 #include <boost/program_options.hpp>
 
@@ -27,6 +29,14 @@ void writeManualPage(std::ostream& stream, const Usage& usage, const std::vector
 /// file, a folder, or some other value. WORDs are values that it may have. The command's own words come first, after
 /// "words".
 void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups);
+
+/// Writes {command, groups: [{heading, options}]}. An option has at least a *name* without dashes, an *argument*, which
+/// is empty for a flag, and a *help*; one with a short form also has its *letter*. What else an option of a table has
+/// is described in vdbtools/recipe/option_data.h; only those of a recipe have an *entry*.
+/// @param own     the tables of the options that are not part of a recipe
+/// @param recipe  the table of the others
+void writeDescription(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups,
+                      const vdbtools::OptionTable& own, const vdbtools::OptionTable& recipe);
 
 /// Escapes a text for `man`.
 std::string manualText(const std::string& text);

@@ -161,7 +161,7 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       mFromRecipe("What to make", helpWidth()),
       mCommon("Common options", helpWidth()) {
   const std::vector<vdbtools::OptionListing> options = mTable.listing();
-  // For 'juliavdb man' and 'juliavdb completion'.
+  // For 'juliavdb man', 'juliavdb completion' and other programs.
   mHidden.add_options()("describe", po::value<std::string>());
   for (const vdbtools::OptionListing& option : options) {
     if (mUsage.hides && option.name == mUsage.hides) continue;
@@ -200,7 +200,9 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
 
 void CommandLine::addOptions(const std::vector<vdbtools::OptionSpec>& options) {
   for (const vdbtools::OptionListing& option : vdbtools::OptionTable(options).listing())
-    mOwn.add_options()(option.name.c_str(), valueOf(option), option.help.c_str());
+    mOwn.add_options()(option.name == "output" ? "output,o" : option.name.c_str(), valueOf(option),
+                       option.help.c_str());
+  mOwnSpecs.insert(mOwnSpecs.end(), options.begin(), options.end());
 }
 
 vdbtools::Recipe CommandLine::given(const vdbtools::OptionTable& table) const {
@@ -541,8 +543,10 @@ void CommandLine::describe(const std::string& how) const {
     writeManualPage(std::cout, mUsage, described);
   else if (how == "completion")
     writeCompletionTable(std::cout, mUsage, described);
+  else if (how == "json")
+    writeDescription(std::cout, mUsage, described, vdbtools::OptionTable(mOwnSpecs), mTable);
   else
-    throw std::invalid_argument("--describe is '" + how + "'; it must be man or completion");
+    throw std::invalid_argument("--describe is '" + how + "'; it must be man, completion or json");
 }
 
 }  // namespace cli

@@ -43,7 +43,7 @@ class CommandLine {
 
   /// Adds the command's other options, which do not affect the result.
   boost::program_options::options_description_easy_init addOptions() { return mOwn.add_options(); }
-  /// Adds such options from a table.
+  /// Adds such options from a table. One called "output" has the short form -o, too.
   void addOptions(const std::vector<vdbtools::OptionSpec>& options);
   /// Adds a positional argument that is not part of a recipe; @a count -1 takes all that follow.
   void addPositional(const char* name, int count, const char* help);
@@ -133,6 +133,7 @@ class CommandLine {
 
   Usage mUsage;
   vdbtools::OptionTable mTable;
+  std::vector<vdbtools::OptionSpec> mOwnSpecs;  ///< those of mOwn that come from tables
   boost::program_options::options_description mOwn{"Options"}, mFromRecipe{"What to make"}, mCommon{"Common options"},
       mHidden;
   boost::program_options::positional_options_description mPositional;

@@ -14,11 +14,14 @@ import juliavdb_program as programs
 
 # How often the program is looked at, in seconds.
 INTERVAL = 0.1
-OPTIONS = "--detail 0.25 --texture scales --resolution 200"
+# What the dialog says above the field for the options. Where it stays empty, the program's defaults hold.
+ASKED = ("Options of 'juliavdb fractal', such as --detail 0.4 --texture bark --resolution 500. Without them, its defaults hold; "
+         "'juliavdb fractal --help' describes them.")
 
 
 def words_for(source, target, options, grids="surface,density"):
-    """The words behind the program. `options` are those of a recipe, as they are typed in a shell."""
+    """The words behind the program. `options` are those of a recipe, as they are typed in a shell; "" stands for the
+    program's defaults."""
     given = shlex.split(options)
     for word in given:
         # Files are chosen here, and an output has to go where the next node reads it.
@@ -60,7 +63,7 @@ def loaded(node, path, kind):
     return last
 
 
-def make(hou, node, kind="volume", options=OPTIONS, folder="$HIP/juliavdb", program="juliavdb"):
+def make(hou, node, kind="volume", options="", folder="$HIP/juliavdb", program="juliavdb"):
     """Makes the fractal of a SOP, as a volume or a mesh, and returns the node that shows it.
 
     The geometry is written beside the result, because the recipe names it: 'juliavdb fractal --config F.vdb' makes the
@@ -84,8 +87,7 @@ def clicked(hou):
         hou.ui.displayMessage("Select one geometry node (SOP), whose output becomes a fractal.", title="JuliaVDB")
         return
     button, (options,) = hou.ui.readMultiInput(
-        "Options of 'juliavdb fractal'", ("Options",), buttons=("Volume", "Mesh", "Cancel"), close_choice=2,
-        initial_contents=(OPTIONS,), title="JuliaVDB")
+        ASKED, ("Options",), buttons=("Volume", "Mesh", "Cancel"), close_choice=2, initial_contents=("",), title="JuliaVDB")
     if button == 2:
         return
     try:

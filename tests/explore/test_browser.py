@@ -593,7 +593,7 @@ class Browser(browser.BrowserTest):
         # By the name of the option, in any group.
         for option in self.run_script("return fetch('start').then((one) => one.json()).then((one) => one.options.filter((option) =>"
                                       " option.maps.includes('shape-modulus') && option.group !== 'target').map((option) => option.name))"):
-            if option in ("alpha", "beta", "resolution", "box", "map", "texture"):
+            if option in ("alpha", "beta", "resolution", "box", "map", "versor"):
                 continue  # not with detail, elsewhere on the page, or a shelf
             self.run_script("const field = document.querySelector('.finder input'); field.value = arguments[0]; field.dispatchEvent(new Event('input'))", option)
             self.assertTrue(self.run_script("return [...document.querySelectorAll('.control')].some((one) => one.dataset.name === arguments[0]"

@@ -5,6 +5,7 @@ The add-on starts the program `juliavdb` and reads its progress; it has no fract
 Blender 3.4 and later; docs/blender.md describes what it does.
 
 program.py  the program as a child process, without Blender
+defaults.py the defaults of the program's options, without Blender
 ply.py      reading and writing PLY, without Blender
 meshes.py   Blender's meshes from and to arrays
 settings.py the add-on's preferences, and the settings that every object keeps

@@ -15,7 +15,7 @@ import bpy
 import bpy.utils.previews
 import numpy
 
-from . import ply, program as programs
+from . import defaults, ply, program as programs
 
 SIZE = 128
 # How the pictures show the ball.
@@ -139,7 +139,7 @@ def place(program, name):
 
 def name_at(program, index):
     names = _names(program)
-    return names[index] if index < len(names) else "scales"
+    return names[index] if index < len(names) else defaults.text("texture")
 
 
 def items(program):

@@ -60,6 +60,11 @@ def options(program):
     return {**flags, **{name.replace("versor", "texture", 1): flag for name, flag in flags.items()}}
 
 
+def described(text):
+    """The options of a command by their names, from what it says with `--describe json`."""
+    return {option["name"]: option for group in json.loads(text)["groups"] for option in group["options"]}
+
+
 class Run:
     """One run of the program in the background.
 

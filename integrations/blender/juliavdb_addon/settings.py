@@ -6,7 +6,7 @@ import shlex
 import bpy
 from bpy.props import (BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty)
 
-from . import pictures
+from . import defaults, pictures
 from .program import ProgramError
 
 # What a result takes over from the object that it was made of.
@@ -14,6 +14,7 @@ RECIPE = ("detail", "outward", "versor", "seed", "frequency", "roots", "power_lo
           "paint", "paint_channel", "detail_black", "colour", "gradient", "up", "repair", "more")
 # The colours that have a gradient; the others are colours by themselves.
 THROUGH_GRADIENT = ("trap", "iterations", "depth")
+POWERS = defaults.span("texture-powers")
 
 
 class Preferences(bpy.types.AddonPreferences):
@@ -55,33 +56,34 @@ def _choose_texture(self, place):
 
 class Settings(bpy.types.PropertyGroup):
     detail: FloatProperty(
-        name="Detail", min=0, max=1, default=0.25, precision=2, step=5,
+        name="Detail", min=0, max=1, default=defaults.number("detail"), precision=2, step=5,
         description="How deep detail eats into the shape, as a share of its local thickness: 0.1 decorates it, "
                     "0.25 covers it, 0.8 leaves a thin core")
     outward: FloatProperty(
-        name="Outward", min=0, max=1, default=0.1, precision=2, step=5,
+        name="Outward", min=0, max=1, default=defaults.number("outward"), precision=2, step=5,
         description="How far detail reaches out of the shape, as a share of its local thickness")
-    versor: StringProperty(name="Texture", default="scales", description="The name of the texture")
+    versor: StringProperty(name="Texture", default=defaults.text("texture"), description="The name of the texture")
     texture: EnumProperty(
         name="Texture", items=_texture_items, get=_texture_place, set=_choose_texture,
         description="What the surface looks like")
     seed: IntProperty(
-        name="Seed", min=0, default=1,
+        name="Seed", min=0, default=defaults.whole("texture-seed"),
         description="Every number is another variation, of textures that have something random")
     frequency: FloatProperty(
-        name="Frequency", min=0.05, soft_max=8, max=1000, default=2, precision=2, step=10,
+        name="Frequency", min=0.05, soft_max=8, max=1000, default=defaults.number("frequency"), precision=2, step=10,
         description="How many features of the texture lie across the local thickness, of textures that follow it: 1 is "
                     "coarse, 2 medium, 4 fine")
     roots: IntProperty(
-        name="Roots", min=1, soft_max=100, max=100000, default=10, description="The number of roots of a random texture")
+        name="Roots", min=1, soft_max=100, max=100000, default=defaults.whole("texture-roots"),
+        description="The number of roots of a random texture")
     power_low: FloatProperty(
-        name="Least Power", min=0.1, soft_max=30, max=1000, default=2, precision=1, step=100,
+        name="Least Power", min=0.1, soft_max=30, max=1000, default=POWERS[0], precision=1, step=100,
         description="The least power of the roots of a random texture")
     power_high: FloatProperty(
-        name="Greatest Power", min=0.1, soft_max=30, max=1000, default=11, precision=1, step=100,
+        name="Greatest Power", min=0.1, soft_max=30, max=1000, default=POWERS[1], precision=1, step=100,
         description="The greatest power of the roots of a random texture. Higher powers make finer detail")
     resolution: IntProperty(
-        name="Resolution", min=8, soft_max=1000, max=20000, default=200,
+        name="Resolution", min=8, soft_max=1000, max=20000, default=defaults.whole("resolution"),
         description="Voxels along the longest side of the object")
     output: EnumProperty(
         name="Result", default="MESH",
@@ -114,6 +116,7 @@ class Settings(bpy.types.PropertyGroup):
     material: BoolProperty(
         name="Material", default=True,
         description="Give a new mesh a material that shows its colours, or a plain one if the object has none")
+    # Of the program, Y is up. In Blender, that is what stands upright in the viewport.
     up: EnumProperty(
         name="Up", default="Z", description="Which axis of the object the texture takes for upright",
         items=[("Z", "Z", "The vertical axis of Blender"), ("Y", "Y", "The vertical axis of many other programs")])

@@ -5,6 +5,7 @@
 #include "explore/look_data.h"
 #include "vdbtools/explore/embedded_page.h"
 #include "vdbtools/maps/texture_shelf.h"
+#include "vdbtools/recipe/option_data.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
@@ -31,28 +32,9 @@ std::string groupOf(const std::string& name, const MapRegistry& maps) {
   return "output";
 }
 
-json optionData(const OptionTable& table, const MapRegistry& maps) {
-  json all = json::array();
-  for (const OptionListing& listing : table.listing()) {
-    json option = {{"name", listing.name},      {"argument", listing.argument},
-                   {"help", listing.help},      {"group", groupOf(listing.name, maps)},
-                   {"maps", json::array()},     {"defaults", json::object()},
-                   {"displaces", json::array()}};
-    for (const MapRegistry::Descriptor& map : maps.maps()) {
-      const Recipe recipe = {{table.selector(), map->name()}};
-      const OptionSpec* spec = table.find(listing.name, recipe);
-      // An option that is kept for others is found in every map's recipes.
-      if (!spec || (spec->kept && !names(map->options(), listing.name))) continue;
-      option["maps"].push_back(map->name());
-      const Recipe completed = completeRecipe(recipe, table);
-      if (const auto value = completed.find(listing.name); value != completed.end())
-        option["defaults"][map->name()] = value->second;
-      if (!spec->alternative.empty()) option["alternative"] = spec->alternative;
-      if (!spec->displaces.empty()) option["displaces"] = spec->displaces;
-    }
-    if (!option["defaults"].empty()) option["default"] = option["defaults"].front();
-    all.push_back(std::move(option));
-  }
+json fractalOptionData(const MapRegistry& maps) {
+  json all = json::parse(optionData(fractalOptionTable(maps)));
+  for (json& option : all) option["group"] = groupOf(option["name"], maps);
   return all;
 }
 
@@ -91,7 +73,7 @@ json mapData(const MapRegistry& maps) {
 json programData() {
   const MapRegistry maps = builtInMaps();
   return {{"version", JULIAVDB_VERSION},
-          {"options", optionData(fractalOptionTable(maps), maps)},
+          {"options", fractalOptionData(maps)},
           {"maps", mapData(maps)},
           {"textures", textureData()},
           {"colours", {"clay", "trap", "depth", "iterations", "direction", "versor"}},

@@ -7,7 +7,7 @@
 
 namespace vdbtools::explore {
 
-/// {version, options: [{name, argument, help, group, maps, default, defaults: {map: text}, alternative, displaces}],
+/// {version, options: those of a fractal (vdbtools/recipe/option_data.h), each with the group that it belongs to,
 /// maps: [{name, summary, target, roots, dimension}], textures: [{name, description, varies, thumbnail}], colours,
 /// resolutions, formats}.
 nlohmann::json programData();

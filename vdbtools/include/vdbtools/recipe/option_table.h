@@ -149,6 +149,7 @@ class OptionTable {
   std::vector<std::string> hashNames() const;
 
   const std::string& selector() const { return mSelector; }  ///< empty: none
+  const std::vector<OptionVariant>& variants() const { return mVariants; }
   /// The variant's name in a recipe, as it stands there or by default; it may not exist.
   std::string selected(const Recipe& recipe) const;
   /// "a, b, c".

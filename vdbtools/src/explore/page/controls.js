@@ -12,6 +12,9 @@ const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "ori
   "texture-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
   "colour"];
 
+// An exported page does not know the program's defaults. These leave the texture as it is.
+export const UNCHANGED = { "texture-scale": "1", "texture-translate": "0,0,0" };
+
 const OWN_RAMP = "#101820,#c0392b,#f7dc6f";
 
 // The other options, by the groups of the program's help.
@@ -28,6 +31,8 @@ export class Options {
 
   mapOf(recipe) { return recipe.map ?? this.firstMap; }
   has(name, recipe) { return this.byName.get(name)?.maps.includes(this.mapOf(recipe)) ?? false; }
+  // The words that an option takes.
+  words(name) { return this.byName.get(name)?.argument.split("|") ?? []; }
   usual(name, recipe) { return name === "map" ? this.firstMap : this.byName.get(name)?.defaults?.[this.mapOf(recipe)]; }
   help(name) { return this.byName.get(name)?.help ?? ""; }
 
@@ -84,8 +89,7 @@ export function makeControls(page) {
     updates.push(control.update);
     return control.element;
   };
-  const fallbacks = { iterations: "5", slice: "0", "texture-roots": "10", "texture-placement": "box", "texture-scale": "1", power: "8", "texture-seed": "1" };
-  const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : fallbacks[name] ?? "");
+  const usualOf = (name, live) => (state) => options.usual(name, state.recipe) ?? (live && page.scene() ? String(page.scene()[live]) : UNCHANGED[name] ?? "");
   // A slider of an option.
   const number = (name, label, limits, live) => add(slider(store, {
     label, name, help: options.help(name), ...limits, usual: usualOf(name, live), read: (state) => state.recipe[name],
@@ -109,7 +113,7 @@ export function makeControls(page) {
       },
     }));
   });
-  const chosen = (name, label, values) => add(choice(store, {
+  const chosen = (name, label, values = options.words(name)) => add(choice(store, {
     label, name, help: options.help(name), values, usual: usualOf(name), read: (state) => state.recipe[name],
     write: (state, value) => options.set(state.recipe, name, value === usualOf(name)(state) ? undefined : value),
   }));
@@ -148,12 +152,12 @@ export function makeControls(page) {
   function mapControls() {
     const isOpen = (one) => one.target !== "needed" || start.target;
     return group("Map", chosen("map", "Map", start.maps.filter(isOpen).map((one) => one.name)),
-      when(isMap("cross"), chosen("pair", "Pair", ["A", "A'", "B", "C", "D", "E", "user"]), chosen("scheme", "Scheme", ["3", "4", "5"]),
+      when(isMap("cross"), chosen("pair", "Pair"), chosen("scheme", "Scheme"),
         when((recipe) => recipe.pair === "user" || recipe.f || recipe.g, line("f", "f"), line("g", "g")),
         when((recipe) => recipe.scheme === "5", ...vector("c", ["c x", "c y", "c z"], { min: -2, max: 2, step: 0.01 }))),
       when(isMap("quadratic"), flag("mandelbrot", "Mandelbrot set"),
         when((recipe) => !recipe.mandelbrot, ...vector("c", ["c real", "c i", "c j", "c k"], { min: -1.5, max: 1.5, step: 0.005 }))),
-      when(isMap("mandelbulb"), number("power", "Power", { min: 1, max: 16, step: 0.25 }), chosen("theta", "Second angle from", ["plane", "pole"]),
+      when(isMap("mandelbulb"), number("power", "Power", { min: 1, max: 16, step: 0.25 }), chosen("theta", "Second angle from"),
         line("c", "Constant of a Julia set")));
   }
 
@@ -314,19 +318,21 @@ export function makeControls(page) {
 
   // The other options of a texture.
   function rootControls() {
+    const usualPowers = (state) => options.usual("texture-powers", state.recipe) ?? "";
     const powers = (label, i) => add(slider(store, {
-      label, name: "texture-powers", help: options.help("texture-powers"), min: 1, max: 20, step: 1, usual: () => String([2, 11][i]),
+      label, name: "texture-powers", help: options.help("texture-powers"), min: 1, max: 20, step: 1,
+      usual: (state) => usualPowers(state).split(":")[i],
       read: (state) => state.recipe["texture-powers"]?.split(":")[i],
       write: (state, value) => {
         if (value === undefined) return options.set(state.recipe, "texture-powers", undefined);
-        const range = (state.recipe["texture-powers"] ?? "2:11").split(":").map(Number);
+        const range = (state.recipe["texture-powers"] ?? usualPowers(state)).split(":").map(Number);
         range[i] = Number(value);
         options.set(state.recipe, "texture-powers", i === 0 ? `${range[0]}:${Math.max(...range)}` : `${Math.min(...range)}:${range[1]}`);
       },
     }));
     const part = group("Scale and place of the texture",
       when(isRandomVersor, number("texture-roots", "Roots", { min: 1, max: 60, step: 1 }), powers("Least power", 0), powers("Greatest power", 1),
-        flag("texture-integer", "Whole powers"), chosen("texture-placement", "Placed", ["box", "inside", "surface", "cluster"]),
+        flag("texture-integer", "Whole powers"), chosen("texture-placement", "Placed"),
         when((recipe) => recipe["texture-placement"] === "surface", line("texture-distance", "How far from it")),
         when((recipe) => recipe["texture-placement"] === "cluster", line("texture-centre", "Centre of the cluster"), line("texture-radius", "Its radius"))),
       ...rootPlaces());

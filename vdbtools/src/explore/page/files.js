@@ -14,7 +14,7 @@ function download(blob, name) {
 
 const timeText = (seconds) => seconds < 90 ? `${Math.round(seconds)} s` : `${Math.round(seconds / 60)} min`;
 
-// page: {store, start, say(text, isError), recipe(): the recipe to make, resized}
+// page: {store, options, start, say(text, isError), recipe(): what is to be made, resized}
 export function makeFiles(page) {
   const { store, start, say } = page;
   const attempt = (work) => async () => {
@@ -25,8 +25,9 @@ export function makeFiles(page) {
     }
   };
   const name = element("input", { type: "text", value: "look", id: "make-name", spellcheck: "false", autocomplete: "off" });
+  const usual = page.options.usual("resolution", start.recipe);
   const resolution = element("input", { type: "number", id: "make-resolution", min: 8, step: 1, list: "make-resolutions",
-    value: start.recipe.resolution ?? 300 });
+    value: start.recipe.resolution ?? usual });
   const formats = start.formats.map((format) => ({
     format, box: element("input", { type: "checkbox", id: `make-${format}`, checked: format === "vdb" }),
   }));
@@ -35,7 +36,7 @@ export function makeFiles(page) {
   const list = element("ul", { class: "jobs", "aria-label": "What was made" });
   const request = () => ({
     recipe: store.state.recipe, name: name.value.trim(), formats: formats.filter((one) => one.box.checked).map((one) => one.format),
-    resolution: String(Math.max(8, Math.round(Number(resolution.value) || 300))),
+    resolution: String(Math.max(8, Math.round(Number(resolution.value) || Number(usual)))),
   });
 
   page.named = () => ({ name: request().name, resolution: request().resolution });

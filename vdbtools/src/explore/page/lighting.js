@@ -5,10 +5,6 @@
 import { server } from "./server.js";
 
 export const LOOK_OPTIONS = ["material", "light", "sky", "ground", "background", "exposure"];
-const USUAL = { material: "clay", light: "-48,41", sky: "1", ground: "", background: "", exposure: "0" };
-const CLAY = { albedo: [0.55, 0.32, 0.21], gloss: [0.1, 0.1, 0.1], sharpness: 18, mirrors: false };
-
-const keyOf = (options) => JSON.stringify(LOOK_OPTIONS.map((name) => options[name] ?? USUAL[name]));
 const linearOf = (code) => code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4;
 
 // "-48,41" as numbers; null for any other text.
@@ -20,24 +16,26 @@ export function lightAngles(text) {
 export class Lighting {
   // start: the first data of the server or of the exported page. first: the initial options of the exported page
   constructor(start, first) {
-    this.materials = new Map(Object.entries(start.materials ?? { clay: CLAY }));
-    this.about = new Map((start.looks ?? []).map((option) => [option.name, option]));
+    this.materials = new Map(Object.entries(start.materials));
+    this.about = new Map(start.looks.map((option) => [option.name, option]));
     this.known = new Map();
     this.isAsked = !start.exported;
-    if (start.lookData) this.known.set(keyOf(first), start.lookData);
+    if (start.lookData) this.known.set(this.keyOf(first), start.lookData);
     this.latest = null;
   }
 
-  usual(name) { return this.about.get(name)?.default ?? USUAL[name]; }
+  usual(name) { return this.about.get(name)?.default ?? ""; }
+  keyOf(options) { return JSON.stringify(LOOK_OPTIONS.map((name) => options[name] ?? this.usual(name))); }
   help(name) { return this.about.get(name)?.help ?? ""; }
   isNamed(material) { return this.materials.has(material); }
 
   // The numbers that the texts stand for; if some texts are not understood, the previous numbers.
   numbersOf(options) {
-    const known = this.known.get(keyOf(options));
+    const known = this.known.get(this.keyOf(options));
     if (known) return this.latest = known;
-    const before = this.latest ?? { material: CLAY, light: lightAngles(USUAL.light), background: null }, text = (name) => options[name] ?? USUAL[name];
-    const number = (name, low, high) => Math.min(high, Math.max(low, Number.isFinite(Number(text(name))) ? Number(text(name)) : Number(USUAL[name])));
+    const usual = { material: this.materials.get(this.usual("material")), light: lightAngles(this.usual("light")), background: null };
+    const before = this.latest ?? usual, text = (name) => options[name] ?? this.usual(name);
+    const number = (name, low, high) => Math.min(high, Math.max(low, Number.isFinite(Number(text(name))) ? Number(text(name)) : Number(this.usual(name))));
     const code = /^#([0-9a-f]{6})$/i.exec(text("background"))?.[1];
     return this.latest = {
       material: this.materials.get(text("material")) ?? before.material,
@@ -51,7 +49,7 @@ export class Lighting {
   // Lets the server parse the texts. Returns whether the numbers have changed; throws the server's message about wrong
   // ones.
   async read(options) {
-    const key = keyOf(options);
+    const key = this.keyOf(options);
     if (!this.isAsked || this.known.has(key)) return false;
     this.known.set(key, await server.look(options));
     if (this.known.size > 200) this.known.delete(this.known.keys().next().value);

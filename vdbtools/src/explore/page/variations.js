@@ -2,7 +2,7 @@
 // Sixteen looks around one: the values of a control, or neighbours in which several controls differ a little. The same
 // look always has the same neighbours.
 import { BY_GRADIENT, colourOf, colourText } from "./colours.js";
-import { chooseTexture, followsThickness, isRandomVersor, setSeed } from "./controls.js";
+import { chooseTexture, followsThickness, isRandomVersor, setSeed, UNCHANGED } from "./controls.js";
 import { GRADIENTS } from "./renderer.js";
 
 export const CHOICES = 16;
@@ -13,21 +13,21 @@ const tidied = (value, digits = 3) => String(Number(value.toPrecision(digits)));
 const clamped = (value, low, high) => Math.min(high, Math.max(low, value));
 const numberOf = (text) => FREQUENCIES[text] ?? Number(text);
 
-// The options that can be varied, the most important first. low, high: the whole range; log: each step multiplies;
-// whole: whole numbers only; isLive: the shaders show it without another scene.
+// What can be varied, what matters most first. low, high: the whole range; log: each step multiplies; whole: whole
+// numbers only; usual: the middle where the program has no default; isLive: the shaders show it without another scene.
 const VARIATIONS = [
   { name: "texture", label: "Textures" },
   { name: EVERYTHING, label: "A little of everything" },
-  { name: "texture-seed", label: "Seeds", usual: 1 },
-  { name: "frequency", label: "Frequency", usual: 2, low: 0.5, high: 6, log: true },
-  { name: "detail", label: "Detail", usual: 0.3, low: 0.05, high: 0.8 },
-  { name: "outward", label: "Outward", usual: 0.3, low: 0, high: 0.45 },
+  { name: "texture-seed", label: "Seeds" },
+  { name: "frequency", label: "Frequency", low: 0.5, high: 6, log: true },
+  { name: "detail", label: "Detail", low: 0.05, high: 0.8 },
+  { name: "outward", label: "Outward", low: 0, high: 0.45 },
   { name: "alpha", label: "Alpha", usual: 40, low: 4, high: 300, log: true },
   { name: "colour", label: "Colours", isLive: true },
-  { name: "texture-scale", label: "Scale of the texture", usual: 1, low: 0.4, high: 4, log: true, isLive: true },
-  { name: "slice", label: "Slice", usual: 0, low: -0.3, high: 0.3, isLive: true },
-  { name: "iterations", label: "Iterations", usual: 5, low: 1, high: 16, whole: true, isLive: true },
-  { name: "power", label: "Power", usual: 8, low: 2, high: 17, whole: true, isLive: true },
+  { name: "texture-scale", label: "Scale of the texture", low: 0.4, high: 4, log: true, isLive: true },
+  { name: "slice", label: "Slice", low: -0.3, high: 0.3, isLive: true },
+  { name: "iterations", label: "Iterations", low: 1, high: 16, whole: true, isLive: true },
+  { name: "power", label: "Power", low: 2, high: 17, whole: true, isLive: true },
 ];
 
 // The options by which neighbours differ a little. by: the difference, as a number or, with log, as the logarithm of a
@@ -35,14 +35,14 @@ const VARIATIONS = [
 const LITTLES = [
   { name: "detail", by: 0.2, low: 0.02, high: 1 },
   { name: "outward", by: 0.15, low: 0, high: 0.5 },
-  { name: "frequency", by: 0.6, low: 0.3, high: 8, log: true, usual: "2" },
+  { name: "frequency", by: 0.6, low: 0.3, high: 8, log: true },
   { name: "alpha", by: 0.8, low: 1, high: 400, log: true },
   { name: "beta", by: 0.04, low: -0.2, high: 0.2 },
-  { name: "texture-scale", by: 0.35, low: 0.2, high: 5, log: true, usual: "1", isLive: true },
-  { name: "texture-translate", by: 0.12, low: -0.5, high: 0.5, components: 3, usual: "0,0,0", isLive: true },
-  { name: "slice", by: 0.12, low: -1, high: 1, usual: "0", isLive: true },
+  { name: "texture-scale", by: 0.35, low: 0.2, high: 5, log: true, isLive: true },
+  { name: "texture-translate", by: 0.12, low: -0.5, high: 0.5, components: 3, isLive: true },
+  { name: "slice", by: 0.12, low: -1, high: 1, isLive: true },
   { name: "c", by: 0.12, low: -2, high: 2, components: 4, isLive: true },
-  { name: "power", by: 1.5, low: 1.5, high: 16, usual: "8", isLive: true },
+  { name: "power", by: 1.5, low: 1.5, high: 16, isLive: true },
 ];
 
 // Random numbers from 0 to 1, the same for the same text.
@@ -93,9 +93,9 @@ export class Variations {
     return LITTLES.filter((little) => this.has(little.name, recipe) && this.now(little, recipe) !== null);
   }
 
-  // The numbers of an option; null if its value is something else, such as a ramp.
-  now({ name, usual, components = 1 }, recipe) {
-    const given = recipe[name] ?? this.page.options.usual(name, recipe) ?? this.shownValue(name) ?? usual;
+  // The numbers of an option; null: it has others, a ramp say.
+  now({ name, components = 1 }, recipe) {
+    const given = recipe[name] ?? this.page.options.usual(name, recipe) ?? this.shownValue(name) ?? UNCHANGED[name];
     if (given === undefined || given === "") return null;
     const numbers = String(given).split(",").map(numberOf);
     return numbers.every(Number.isFinite) && numbers.length <= Math.max(components, 1) ? numbers : null;
@@ -124,12 +124,14 @@ export class Variations {
     return other;
   }
 
-  // The textures of the shelf; the remaining looks have random roots.
+  seedOf(recipe) { return recipe["texture-seed"] ?? this.page.options.usual("texture-seed", recipe); }
+
+  // The shelf, and random roots for the rest.
   textures(recipe, isAround) {
     const { options, start } = this.page, names = start.textures.map((texture) => texture.name);
     for (let seed = 1; names.length <= CHOICES; ++seed) names.push(`random ${seed}`);
     if (!isAround) return names.slice(0, CHOICES);
-    const now = isRandomVersor(recipe) ? `random ${recipe["texture-seed"] ?? 1}` : recipe.texture ?? options.usual("texture", recipe);
+    const now = isRandomVersor(recipe) ? `random ${this.seedOf(recipe)}` : recipe.texture ?? options.usual("texture", recipe);
     const at = Math.max(0, names.indexOf(now));
     return names.map((_, i) => names[(at + i) % names.length]).filter((name) => name !== now).slice(0, CHOICES);
   }
@@ -142,7 +144,7 @@ export class Variations {
   }
 
   seeds(recipe, isAround) {
-    const now = Number(recipe["texture-seed"] ?? 1) || 0, first = isAround ? now + 1 : Math.max(0, now - 3);
+    const now = Number(this.seedOf(recipe)) || 0, first = isAround ? now + 1 : Math.max(0, now - 3);
     return Array.from({ length: CHOICES }, (_, i) => String(first + i));
   }
 
@@ -151,11 +153,12 @@ export class Variations {
   values({ name, usual, low, high, log, whole }, recipe, isAround, spread) {
     const at = (value) => log ? Math.log(value) : value, from = (value) => log ? Math.exp(value) : value;
     const tidy = (value) => whole ? String(Math.max(low, Math.round(value))) : tidied(Math.abs(value) < 1e-9 ? 0 : value);
-    const now = clamped(this.now({ name, usual }, recipe)?.[0] ?? usual, log ? low / 10 : -Infinity, Infinity);
+    const middle = this.now({ name }, recipe)?.[0] ?? numberOf(this.page.options.usual(name, recipe) ?? usual);
+    const now = clamped(middle, log ? low / 10 : -Infinity, Infinity);
     if (!isAround) {
-      // If zero is the default, around the current value.
-      const middle = name === "slice" ? now : 0;
-      return this.distinct(Array.from({ length: CHOICES }, (_, i) => tidy(middle + from(at(low) + (at(high) - at(low)) * i / (CHOICES - 1)))));
+      // Where zero is the usual value, around the one at hand.
+      const shift = name === "slice" ? now : 0;
+      return this.distinct(Array.from({ length: CHOICES }, (_, i) => tidy(shift + from(at(low) + (at(high) - at(low)) * i / (CHOICES - 1)))));
     }
     const half = CHOICES / 2, step = whole ? 1 : (at(high) - at(low)) * spread / CHOICES;
     const texts = [];
