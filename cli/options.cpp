@@ -17,6 +17,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sheet_file.h"
 #include "vdbtools/maps/device_choice.h"
+#include "vdbtools/mesh_files/importer_trust.h"
 #include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/recorded_recipe.h"
 
@@ -48,6 +49,7 @@ constexpr std::size_t kMostAtOnce = 30;  ///< a command with more options shows 
 
 constexpr const char* kConfig = "config";
 constexpr const char* kRecipeAlias = "recipe";  ///< another name of --config
+constexpr const char* kTrustImporter = "trust-importer";
 
 constexpr const char* kOwn = "Options";
 constexpr const char* kCommon = "Common options";
@@ -190,7 +192,10 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
       "memory", po::value<std::string>()->value_name("SIZE"),
       "how much memory this run may take, such as 16G or 500M: work that is known to need more is refused before it "
       "begins. unlimited tries everything (default: JULIAVDB_MEMORY, or else what the machine, the control group and "
-      "ulimit leave)")(
+      "ulimit leave)")(kTrustImporter, po::value<std::string>()->implicit_value("true")->zero_tokens(),
+                       "read FBX, DAE, 3DS and X3D, by the library Assimp: a file that somebody made to do harm can "
+                       "then do anything, so "
+                       "give it for files that you trust only (docs/targets.md)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
       "how to show progress on stderr: a bar with the time left for work of more than two seconds (the default), "
       "nothing, or for other programs one JSON object a line and no other text (docs/progress.md)")(
@@ -292,6 +297,7 @@ bool CommandLine::parse(const Arguments& arguments) {
   applyInstructions();
   applyDevice();
   applyMemory(*this);
+  vdbtools::trustImporter(has(kTrustImporter));
   takePipes();
   mGiven = given();
   if (mUsage.hides) mGiven.erase(mUsage.hides);
@@ -345,7 +351,7 @@ std::vector<std::string> CommandLine::commonWords() const {
     const std::string& name = option->long_name();
     if (name == "threads" || name == "help" || !has(name)) continue;
     words.push_back("--" + name);
-    words.push_back(text(name));
+    if (option->semantic()->max_tokens() > 0) words.push_back(text(name));
   }
   return words;
 }

@@ -16,6 +16,8 @@ pkg_check_modules(LibZip QUIET libzip)
 pkg_check_modules(Expat QUIET expat)
 # For glTF that is compressed by Draco, which is refused without it.
 pkg_check_modules(Draco QUIET draco)
+# For FBX, DAE, 3DS and X3D, which are refused without it.
+pkg_check_modules(Assimp QUIET assimp)
 # pkg-config names the compiler's own include folders, too. They must stay where the compiler has them in its order: given
 # once more, /usr/include comes before the C++ headers that look for the C headers in the next folder.
 set(own_directories "")
@@ -23,7 +25,7 @@ foreach(directory IN LISTS CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES)
   file(REAL_PATH "${directory}" directory)
   list(APPEND own_directories "${directory}")
 endforeach()
-foreach(library Cairo LibZip Expat Draco)
+foreach(library Cairo LibZip Expat Draco Assimp)
   set(directories "")
   foreach(directory IN LISTS ${library}_INCLUDE_DIRS)
     file(REAL_PATH "${directory}" real_directory)

@@ -10,8 +10,8 @@
 BUILD_PACKAGES=(g++ cmake ninja-build libopenvdb-dev libtbb-dev libeigen3-dev liblbfgspp-dev libmuparser-dev
   libopenmesh-dev libopenimageio-dev openimageio-tools libcairo2-dev libfreetype-dev fonts-dejavu-core pkg-config libssl-dev
   nlohmann-json3-dev libmeshoptimizer-dev libboost-dev libboost-iostreams-dev libboost-program-options-dev libblosc-dev
-  zlib1g-dev libpng-dev libzip-dev libexpat1-dev libdraco-dev opencl-c-headers libnanovdb-dev python3 python3-dev
-  python3-numpy pybind11-dev)
+  zlib1g-dev libpng-dev libzip-dev libexpat1-dev libdraco-dev libassimp-dev opencl-c-headers libnanovdb-dev python3
+  python3-dev python3-numpy pybind11-dev)
 QUICKSTART_PACKAGES=(glmark2-data)
 # slurm-wlm and parallel run the tests of farms: a true cluster, of one node. blender runs the tests of the add-on; with
 # what it needs, it is a download of 90 MB.

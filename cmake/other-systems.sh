@@ -3,10 +3,10 @@
 # not tried (docs/platforms.md); environment.yml has conda-forge's.
 FEDORA_PACKAGES=(gcc-c++ cmake ninja-build openvdb-devel tbb-devel eigen3-devel muParser-devel OpenMesh-devel OpenImageIO-devel
   OpenImageIO-utils cairo-devel freetype-devel dejavu-sans-fonts pkgconf-pkg-config openssl-devel json-devel
-  meshoptimizer-devel boost-devel blosc-devel zlib-devel libpng-devel libzip-devel expat-devel draco-devel
+  meshoptimizer-devel boost-devel blosc-devel zlib-devel libpng-devel libzip-devel expat-devel draco-devel assimp-devel
   opencl-headers python3-devel pybind11-devel glmark2)
 ARCH_PACKAGES=(base-devel cmake ninja openvdb onetbb eigen muparser openimageio cairo freetype2 ttf-dejavu pkgconf openssl
-  nlohmann-json boost blosc zlib libpng libzip expat draco opencl-headers python pybind11 glmark2)
+  nlohmann-json boost blosc zlib libpng libzip expat draco assimp opencl-headers python pybind11 glmark2)
 # What these two do not have as a package, or have in the AUR alone.
 FEDORA_MISSING=(LBFGSpp)
 ARCH_MISSING=(LBFGSpp OpenMesh meshoptimizer)

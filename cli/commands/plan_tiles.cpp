@@ -71,6 +71,7 @@ std::vector<vdbtools::farm::SampledTask> makeSample(const CommandLine& line, con
   for (const std::uint64_t index : indices) {
     std::vector<std::string> words = {"task", folder.string(), "--index", std::to_string(index), "--progress", "none"};
     if (line.has("threads")) words.insert(words.end(), {"--threads", line.text("threads")});
+    if (line.has("trust-importer")) words.emplace_back("--trust-importer");
     const int code = runThisProgram(words, [&] { return monitor.cancelled(); });
     monitor.throwIfCancelled();
     const std::optional<vdbtools::farm::TaskRecord> record =

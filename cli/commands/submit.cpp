@@ -54,8 +54,8 @@ constexpr Usage kSubmitUsage = {
     "failure, or if tasks were killed, give the same command again: only tasks that are neither done nor being made "
     "are submitted. GNU "
     "parallel is waited for, and the exit code is that of the tasks: the one that all failed ones share, or else the "
-    "gravest. --threads N is the number of processors of each task, and not of this command; --memory, --instructions "
-    "and --progress are handed on to each task and to the merge.",
+    "gravest. --threads N is the number of processors of each task, and not of this command; --memory, --instructions, "
+    "--trust-importer and --progress are handed on to each task and to the merge.",
     "  juliavdb submit farm --engine parallel --jobs 2 -o bunny.vdb --mesh bunny.ply\n"
     "  juliavdb submit farm --engine slurm --dry-run -- --partition=long --time=02:00:00\n"
     "  juliavdb submit farm --engine script --template tractor.py --dry-run -o bunny.vdb\n"};

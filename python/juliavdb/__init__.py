@@ -33,7 +33,7 @@ from ._juliavdb import DataError, Fit, Fractal
 from ._study import dimension, slice, study
 
 __all__ = ["DataError", "Field", "Fit", "Fractal", "Grid", "Orbit", "devices", "dimension", "fit", "fractal", "render",
-           "sdf", "slice", "study", "use_device"]
+           "sdf", "slice", "study", "trust_importer", "use_device"]
 __version__ = _juliavdb.version
 for _function in (dimension, sdf, slice, study):
     _function.__module__ = "juliavdb"
@@ -52,6 +52,12 @@ def use_device(choice):
     is none, and RuntimeError if no device can be used. A device that fails later is a RuntimeWarning, and the processor
     goes on."""
     return _juliavdb.use_device(choice)
+
+
+def trust_importer(trusted=True):
+    """Reads FBX, DAE, 3DS and X3D from now on, by the library Assimp, or no longer: as --trust-importer of the program. A file
+    that somebody made to do harm can then do anything, so files that you do not trust should not be read."""
+    _juliavdb.trust_importer(trusted)
 
 
 @_options.documented(_options.FRACTAL)

@@ -13,6 +13,7 @@
 #include "vdbtools/base/memory.h"
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/maps/device_choice.h"
+#include "vdbtools/mesh_files/importer_trust.h"
 #include "vdbtools/picture/screen_codes.h"
 #include "vdbtools/recipe/option_name.h"
 #include "vdbtools/records/failure_text.h"
@@ -275,6 +276,7 @@ PYBIND11_MODULE(_juliavdb, m) {
   m.def("view_options", [] { return listingOf(viewTable()); });
   m.def("check_view", checkView);
   m.def("devices", listedDevices);
+  m.def("trust_importer", vdbtools::trustImporter);
   m.def("use_device", useDevice);
   m.def("sdf_options", [] { return listingOf(vdbtools::sdfOptionTable()); });
   m.attr("version") = JULIAVDB_VERSION;

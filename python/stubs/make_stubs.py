@@ -31,7 +31,8 @@ OWN = {"vertices": "Optional[Target]", "faces": "Optional[ArrayLike]", "progress
        "choice": "str", "points": "ArrayLike", "limited": "bool", "centres": "ArrayLike", "radius": "ArrayLike", "step": "Optional[float]",
        "threads": "Optional[int]", "device": "Optional[str]", "array": "ArrayLike", "voxel_size": "float",
        "origin": "Sequence[float]", "name": "str", "grid": "Any", "field": "str", "axis": "str", "position": "Optional[float]",
-       "size": "int", "versors": "int", "resolutions": "Sequence[int]", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]"}
+       "size": "int", "versors": "int", "resolutions": "Sequence[int]", "paths": "Union[str, os.PathLike[str]]", "path": "Union[str, os.PathLike[str]]",
+       "trusted": "bool"}
 
 
 def parameter(each):
@@ -96,7 +97,7 @@ def stubs():
         stub(fit.write, "None", "    "), stub(juliavdb.fit, "Fit"),
         stub(juliavdb.sdf, "Grid"), stub(juliavdb.slice, "NDArray[Any]"), stub(juliavdb.study, "dict[str, Any]"),
         stub(juliavdb.dimension, "dict[str, Any]"), "from . import fitting as fitting\n",
-        stub(juliavdb.devices, "list[dict[str, Any]]"), stub(juliavdb.use_device, "str"),
+        stub(juliavdb.devices, "list[dict[str, Any]]"), stub(juliavdb.trust_importer, "None"), stub(juliavdb.use_device, "str"),
         stub(juliavdb.fractal, "Fractal"), stub(juliavdb.render, picture)])
 
 

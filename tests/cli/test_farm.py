@@ -303,7 +303,7 @@ class Requests(farm.FarmTest):
 
     def test_common_options_reach_every_task_and_the_merge(self):
         self.plan()
-        common = "--instructions portable --memory 3G --progress none"
+        common = "--instructions portable --memory 3G --trust-importer --progress none"
         for engine in ("parallel", "slurm"):
             script = self.ok("submit", FARM, "--engine", engine, "--dry-run", "-o", "m.vdb", "--threads", 2,
                              *common.split(), "--most-points", 1000, "--mesh", "m.ply", data=True)

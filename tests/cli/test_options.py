@@ -137,6 +137,7 @@ CHANGES_NOTHING = {
     "instructions": "nor on the instruction set: cli_determinism",
     "device": "nor on the device: cli_device",
     "memory": "what is too large is refused: cli_resources",
+    "trust-importer": "nothing else is read with it than before: cli_targets",
     "search": "files that have moved are found: cli_moved_files",
     "force": "frames that are there are made again: cli_sequence",
     "keep-going": "the frames behind one that fails are made: cli_sequence",

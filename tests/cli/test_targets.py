@@ -311,6 +311,63 @@ class Volumes(harness.CliTest):
         self.ok("plan", "tiles", "fog.vdb", "-o", "farm", "--iso", 1.5, "--resolution", 24, "--tiles", 2)
 
 
+def x3d(points, faces):
+    corners = " ".join(f"{a} {b} {c} -1" for a, b, c in faces)
+    places = " ".join(map(str, (x for point in points for x in point)))
+    return (f'<?xml version="1.0" encoding="UTF-8"?><X3D version="3.3"><Scene><Shape><IndexedFaceSet coordIndex="{corners}">'
+            f'<Coordinate point="{places}"/></IndexedFaceSet></Shape></Scene></X3D>')
+
+
+class Imports(harness.CliTest):
+    """What Assimp reads. tests/mesh_files/assimp_reader_test.cpp has the formats."""
+
+    def setUp(self):
+        super().setUp()
+        points, faces = harness.sphere(2)
+        # Numbers that have few digits are the same as floats.
+        points = [tuple(round(8 * x) / 8 for x in point) for point in points]
+        self.write("s.obj", harness.obj((points, faces)))
+        self.write("s.x3d", x3d(points, faces))
+        if b"built without" in self.run_program("info", "s.x3d").stderr:
+            self.skipTest("this build has no Assimp")
+
+    def test_it_is_read_with_the_option_only(self):
+        self.ok("sdf", "s.obj", "-o", "o.vdb", "--resolution", 24)
+        for command in (("sdf", "s.x3d", "-o", "x.vdb", "--resolution", 24), ("fractal", "s.x3d", "-o", "x.vdb", *LOW),
+                        ("print", "s.x3d", "-o", "x.stl", "--longest-side", 20),
+                        ("points", "s.x3d", "-o", "x.ply", "--points", 50),
+                        ("plan", "tiles", "s.x3d", "-o", "plan", *LOW)):
+            self.refused(BAD_DATA, *command, mentions=("s.x3d", "X3D", "--trust-importer", ".glb"))
+            self.ok(*command, "--trust-importer")
+        self.refused(BAD_DATA, "info", "s.x3d", mentions="--trust-importer")
+        self.assertIn("closed: true", self.ok("info", "s.x3d", "--trust-importer", data=True))
+        self.ok("sdf", "s.x3d", "-o", "x.vdb", "--resolution", 24, "--trust-importer")
+        mine, theirs = (pyopenvdb.read(str(self.folder / name), "phi") for name in ("o.vdb", "x.vdb"))
+        self.assertEqual([*mine.citerOnValues()][0].value, [*theirs.citerOnValues()][0].value)
+        self.assertEqual(self.info("o.vdb")["grids"], self.info("x.vdb")["grids"])
+
+    def test_a_recipe_does_not_set_it(self):
+        made = ("fractal", "s.x3d", "-o", "x.vdb", *LOW)
+        self.ok(*made, "--trust-importer")
+        self.assertNotIn("trust", self.ok("recipe", "x.vdb", data=True))
+        for command in (("fractal", "--config", "x.vdb", "-o", "y.vdb"), ("render", "x.vdb", "--field", "-o", "y.png")):
+            self.refused(BAD_DATA, *command, mentions="--trust-importer")
+        self.ok("fractal", "--config", "x.vdb", "-o", "y.vdb", "--trust-importer")
+        self.assertEqual(self.bytes("x.vdb"), self.bytes("y.vdb"))
+        for name in ("trust-importer", "trust_importer"):
+            self.write("list.txt", f"{name} = true\n")
+            self.refused(USAGE, *made, "--config", "list.txt", mentions=name)
+
+    def test_tasks_have_it_where_it_is_given(self):
+        plan = ("plan", "tiles", "s.x3d", "-o", "plan", "--tiles", 2, *LOW)
+        self.ok(*plan, "--estimate", "--sample", 2, "--trust-importer")
+        self.ok("plan", "frames", "s.x3d", "-o", "frames", "--frames", "1", "--key", "alpha@1=20", *LOW, "--trust-importer")
+        task = self.run_program("task", "frames", "--index", 1)
+        self.assertEqual(task.returncode, BAD_DATA)
+        self.assertIn(b"--trust-importer", task.stderr)
+        self.ok("task", "frames", "--index", 1, "--trust-importer")
+
+
 class WhatIsNotUsed(harness.CliTest):
 
     def test_it_is_named_in_one_line(self):

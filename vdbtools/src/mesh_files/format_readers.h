@@ -4,10 +4,11 @@
 /// if the format has it, and checks every count and index against the file's content before using it. An error in a
 /// text file names the line.
 ///
-/// Only 3MF and compressed glTF use libraries, for their zip, XML and compression. OpenMesh's readers (9.0) skip vertex
-/// lines that they cannot parse, so that all later indices refer to wrong points; they read a word that is not a number
-/// as 0, loop forever on a truncated header, reserve as much as a header requests, read coordinates in single
-/// precision, and open other files that the file names.
+/// Only 3MF and compressed glTF use libraries, for their zip, XML and compression; and FBX, DAE, 3DS and X3D are read
+/// by Assimp, which somebody has to trust. OpenMesh's readers (9.0) skip vertex lines that they cannot parse, so that
+/// all later indices refer to wrong points; they read a word that is not a number as 0, loop forever on a truncated
+/// header, reserve as much as a header requests, read coordinates in single precision, and open other files that the
+/// file names.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -45,6 +46,13 @@ Mesh readPly(const std::filesystem::path& path, std::string_view contents);
 Mesh read3mf(const std::filesystem::path& path, std::string_view contents);
 /// The unit of a 3MF as nameOf() has it (length_unit.h); empty if it is another one. @throw DataError
 std::string unitOf3mf(const std::filesystem::path& path, std::string_view contents);
+/// Reads FBX, DAE, 3DS or X3D, if importer_trust.h allows it: all meshes where the nodes show them, turned such that Y
+/// points up. Of skins and animations, it reads the points as the meshes have them. No other file is opened.
+Mesh readImported(const std::filesystem::path& path, std::string_view contents);
+/// The unit of an FBX or DAE as nameOf() has it (length_unit.h); empty if it is another one, for the other formats, and
+/// without trust.
+/// @throw DataError
+std::string unitOfImported(const std::filesystem::path& path, std::string_view contents);
 /// Reads text or binary. Each facet has its own corners; see weldMesh().
 Mesh readStl(const std::filesystem::path& path, std::string_view contents);
 

@@ -6,6 +6,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
 #include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/importer_trust.h"
 #include "vdbtools/mesh_files/point_cloud.h"
 
 #include <string>
@@ -32,12 +33,13 @@ Mesh readAny(const std::filesystem::path& path, const std::optional<MeshMoment>&
   const std::string contents = contentsOf(path);
   const std::string extension = meshExtension(path);
   const bool isGltf = isGltfPath(path);
-  const auto reader = extension == ".obj"   ? readObj
-                      : extension == ".off" ? readOff
-                      : extension == ".ply" ? readPly
-                      : extension == ".stl" ? readStl
-                      : extension == ".3mf" ? read3mf
-                                            : nullptr;
+  const auto reader = extension == ".obj"              ? readObj
+                      : extension == ".off"            ? readOff
+                      : extension == ".ply"            ? readPly
+                      : extension == ".stl"            ? readStl
+                      : extension == ".3mf"            ? read3mf
+                      : isImportedExtension(extension) ? readImported
+                                                       : nullptr;
   if (!reader && !isGltf) {
     throw DataError(path.string() + ": the format '" + extension +
                     "' cannot be read; name a file that ends in .obj, .ply, .stl, .off, .3mf, .glb or .gltf");

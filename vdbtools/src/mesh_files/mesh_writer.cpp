@@ -243,9 +243,9 @@ const std::vector<MeshLevel>& MeshStreamWriter::levels() const { return mState->
 namespace {
 
 /// Empty, too, if the file is broken, which readMesh() will say.
-std::map<std::string, std::string> unitIn3mf(const std::filesystem::path& path) {
+std::map<std::string, std::string> unitIn(const std::filesystem::path& path, const std::string& extension) {
   try {
-    const std::string unit = unitOf3mf(path, readWholeFile(path));
+    const std::string unit = (extension == ".3mf" ? unitOf3mf : unitOfImported)(path, readWholeFile(path));
     if (!unit.empty()) return {{kLengthUnit, unit}};
   } catch (const DataError&) {
   }
@@ -258,7 +258,7 @@ std::map<std::string, std::string> readMeshComments(const std::filesystem::path&
   std::ifstream file = openToRead(path);
   const std::string extension = meshExtension(path);
   if (extension == ".glb") return readGltfExtras(path);
-  if (extension == ".3mf") return unitIn3mf(path);
+  if (extension == ".3mf" || isImportedExtension(extension)) return unitIn(path, extension);
   std::map<std::string, std::string> comments = readMeshComments(file, extension);
   if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
   return comments;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_reader.h
-/// The room `mesh_files` reads and writes the files of meshes: OBJ, PLY, STL, OFF, glTF and 3MF. It uses the rooms up
-/// to `decimation`, which makes the levels of detail in a GLB.
+/// The room `mesh_files` reads and writes the files of meshes: OBJ, PLY, STL, OFF, glTF and 3MF, and others by a
+/// library that has to be trusted (importer_trust.h). It uses the rooms up to `decimation`, which makes the levels of
+/// detail in a GLB.
 ///
 /// This header reads meshes in any of these formats.
 #pragma once
@@ -18,7 +19,8 @@ namespace vdbtools {
 /// @throw as openToRead()
 std::string meshExtension(const std::filesystem::path& path);
 
-/// Reads OBJ, PLY, STL, OFF, glTF (.glb, .gltf) or 3MF, according to meshExtension(). Polygons are split into
+/// Reads OBJ, PLY, STL, OFF, glTF (.glb, .gltf) or 3MF, according to meshExtension(), and FBX, DAE, 3DS or X3D if
+/// importer_trust.h allows it. Polygons are split into
 /// triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept, except those
 /// whose coordinates are not finite (Mesh::pointsLeftOut); STL and glTF are welded. Coordinates are read in double
 /// precision, except those of STL and glTF, which are floats. In OBJ, corners that a face repeats are dropped. A PLY

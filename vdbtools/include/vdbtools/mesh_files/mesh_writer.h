@@ -133,7 +133,7 @@ class MeshStreamWriter final : public MeshSink {
 };
 
 /// The comments of a PLY, OBJ or GLB written by this project, the unit in the title of its STL, and the unit of any
-/// 3MF; empty for any other file.
+/// 3MF and of an FBX or DAE that is trusted; empty for any other file.
 /// @throw MissingInputError, IoError
 std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path);
 
