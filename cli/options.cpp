@@ -234,7 +234,8 @@ void CommandLine::requireEffect(std::set<std::string> names, const std::vector<v
 void CommandLine::requireUse(bool used, std::initializer_list<const char*> names, const std::string& why) const {
   if (used) return;
   for (const char* name : names)
-    if (has(name) && !mValues[name].defaulted()) throw std::invalid_argument("--" + name + " has no effect: " + why);
+    if (has(name) && !mValues[name].defaulted())
+      throw std::invalid_argument("--" + std::string(name) + " has no effect: " + why);
 }
 
 void CommandLine::addPositional(const char* name, int count, const char* help) {

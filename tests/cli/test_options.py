@@ -266,31 +266,39 @@ class Options(harness.CliTest):
         self.ok("versor", "translate", "fitted.json", "0.6,0,0", "-o", "beside.json")
 
     def options_of(self, command):
-        """The names of a command's options, and what follows each: None for a flag."""
-        page = self.ok(*command.split(), "--describe", "man", data=True)
-        found = re.findall(r"\n\.TP\n\\fB(?:\\-\w\\fR, \\fB)?\\-\\-([^ ]*?)\\fR(?: \\fI(.*)\\fR)?\n", page)
-        options = {name.replace("\\-", "-"): argument.replace("\\-", "-") or None for name, argument in found}
+        """What the program says of each option of a command, by name."""
+        page = json.loads(self.ok(*command.split(), "--describe", "json", data=True))
+        options = {option["name"]: option for group in page["groups"] for option in group["options"]}
         self.assertIn("threads", options, f"the options of '{command}' cannot be read")
-        del options["help"]
+        options.pop("help", None)
         return options
 
     @staticmethod
-    def value_for(command, words, name, argument):
+    def value_for(command, words, option):
+        """A value other than the default, of VALUES or of the option's type."""
+        name, type_ = option["name"], option.get("type", {})
         for values in (VALUES.get(command, {}), VALUES[""]):
             if name in values:
                 first, *others = [values[name]] if isinstance(values[name], str) else values[name]
                 there = f"--{name}" in words and words[words.index(f"--{name}") + 1] == first
                 return others[0] if there and others else first
-        choices = [word for word in argument.split("|") if re.fullmatch(r"[a-z-]+", word)]
-        return choices[-1] if choices else "1"
+        usual = option.get("default", "")
+        choices = [word for word in type_.get("words", option["argument"].split("|")) if re.fullmatch(r"[a-z-]+", word)]
+        others = [word for word in choices if word != usual]
+        if others:
+            return others[-1]
+        if type_.get("kind") == "vector":
+            return "0.1,0,0"
+        middle = (type_.get("low", 0) + type_["high"]) / 2 if "high" in type_ else 2 * float(usual or 0) or 1
+        return str(int(middle)) if type_.get("kind") == "whole" else f"{middle:g}"
 
-    def words_with(self, command, run, name, argument):
+    def words_with(self, command, run, option):
         """The run with the option, in the place of the same one or of the one that says it in another way; or without a flag
         that it has."""
-        words = list(map(str, run))
-        if argument is None and f"--{name}" in words:
+        words, name = list(map(str, run)), option["name"]
+        if not option["argument"] and f"--{name}" in words:
             return [word for word in words if word != f"--{name}"]
-        value = argument and self.value_for(command, words, name, argument)
+        value = option["argument"] and self.value_for(command, words, option)
         rivals = {"voxel-size": "resolution", "sdf-voxel-size": "sdf-resolution", "spacing": "points", "points": "spacing"}
         for other in (name, rivals.get(name, name)):
             if f"--{other}" in words:
@@ -302,7 +310,7 @@ class Options(harness.CliTest):
             del words[at:at + 2]
             return [*words, "-o", f"other{old[old.find('.'):]}"]
         words = [word for word in words if not word.startswith(f"--{name}=")]
-        return [*words, f"--{name}" if argument is None else f"--{name}={value}"]
+        return [*words, f"--{name}={value}" if option["argument"] else f"--{name}"]
 
     def outcome(self, copies, number, command, words):
         """What a run makes and says, in a folder of its own."""
@@ -342,8 +350,8 @@ class Options(harness.CliTest):
             options = self.options_of(command)
             for run in runs:
                 jobs.append((command, None, run, run))
-                jobs += [(command, name, run, self.words_with(command, run, name, argument))
-                         for name, argument in options.items()]
+                jobs += [(command, name, run, self.words_with(command, run, option))
+                         for name, option in options.items()]
         results = self.outcomes([(command, words) for command, name, run, words in jobs])
         plain, given, acts = {}, set(), set()
         for (command, name, run, words), (code, made, told, said) in zip(jobs, results):

@@ -378,8 +378,8 @@ NamedFile parseRootsFile(const RecipeReader& reader, const std::string& option) 
 void refuseRandomOnly(const RecipeReader& reader) {
   for (const char* option : kRandomOnly)
     if (reader.has(option))
-      throw std::invalid_argument("--" + option + " belongs to random roots, and --texture " + reader.text("texture") +
-                                  " has its own; leave one of them out");
+      throw std::invalid_argument("--" + std::string(option) + " belongs to random roots, and --texture " +
+                                  reader.text("texture") + " has its own; leave one of them out");
 }
 
 RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOption) {
