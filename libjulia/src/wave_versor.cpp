@@ -84,8 +84,8 @@ WaveVersor<Real>::WaveVersor(const WaveTexture& texture, std::shared_ptr<const S
     }
     plan->bounds.push_back(bound);
     // An angle consists of four products and three sums of numbers of the size of a place; frequencies, the origin and
-    // the difference to it are rounded. Then come the sine and cosine, those of the doubled angle, and the sum. A
-    // quadrant is pi/2 radians.
+    // the difference to it are rounded. Then come the sine and cosine, their values for the doubled angle, and the sum.
+    // A quadrant is pi/2 radians.
     const double rounding = bound.amplitude * 4 * kEpsilonOf<Real>;
     plan->discBounds.push_back({.curvature = curvature,
                                 .rounding = rounding * (8 + static_cast<double>(factor.waves.size())),

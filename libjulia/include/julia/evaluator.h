@@ -89,8 +89,8 @@ class FieldEvaluator {
   /// orbit to its end, kFieldLimit with that sign. The result at a node depends on its block alone.
   virtual void evaluateBlocks(std::span<const NodeBlock> blocks) const;
 
-  /// Sets found[i] to a place on edge i, in voxels from its beginning, within the lattice's tolerance of which the sign
-  /// of F changes. It depends on the edge alone. @pre found.size() == edges.size()
+  /// Sets found[i] to a place on edge i, in voxels from its beginning. The sign of F changes within the lattice's
+  /// tolerance of it. The result depends on the edge alone. @pre found.size() == edges.size()
   virtual void findCrossings(std::span<const CrossedEdge> edges, const SearchLattice& lattice,
                              std::span<double> found) const;
 };

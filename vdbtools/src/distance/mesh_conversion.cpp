@@ -33,7 +33,7 @@ constexpr double kLargestIndex = 1073741824.0;
 constexpr double kMostNodes = 2147483648.0;
 
 /// The minimum memory of the conversion, measured for many shapes and widths: to find the sides, bytes per voxel face
-/// of area; for the band, bytes per node, which are those of a float.
+/// of area; for the band, bytes per node, i.e. the size of a float.
 constexpr double kBytesForArea = 100, kBytesForNode = 4;
 
 /// Voxels beyond the requested bands.

@@ -8,7 +8,7 @@
 /// that the kernels leave out, such as one that hits a root, are evaluated by the processor as well: a point's value
 /// does not depend on its batch.
 ///
-/// OpenCL's loader and drivers are opened when a device is asked for; a program that asks for none runs without them.
+/// OpenCL's loader and drivers are opened when a device is requested; other programs run without them.
 /// They are looked for once in a process: the loader, libOpenCL.so.1 or the file that the environment variable
 /// JULIAVDB_OPENCL names; and drivers of vendors that the loader does not know. If JULIAVDB_OPENCL_DRIVER names the
 /// file of a driver, it alone is used.
