@@ -33,7 +33,7 @@ class Outputs {
   /// @throw vdbtools::CreateError
   vdbtools::AtomicFile& add(const std::string& option, const std::string& name, std::string_view extensions);
 
-  /// Commits all files, and tells report().
+  /// Commits all files and records them in report().
   /// @param isAll  whether the command makes no further files; see workIsDone()
   /// @throw vdbtools::IoError
   void commit(bool isAll = true);

@@ -79,7 +79,7 @@ class FieldEvaluator {
   virtual void orbitTraps(std::span<const Point> points, std::span<double> nearest) const = 0;
 
   /// Sets out[i] to what is known about the sign of F, as evaluate() computes it, at all points within @a radius of
-  /// centres[i]. Inside and Outside are proofs; Undecided says nothing.
+  /// centres[i]. Inside and Outside are proofs; Undecided means that nothing is known.
   virtual void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const {
     (void)centres, (void)radius;
     std::fill(out.begin(), out.end(), Decision::Undecided);

@@ -4,7 +4,7 @@
 // the shared text, the order of its operations included, is that of the processor's code: kernels/*_bodies.h for roots
 // and waves, moved_versor.cpp, mixed_versor.cpp and vector_versor.cpp for what is made of them.
 //
-// device/program_data.h says what the arrays hold.
+// The arrays are described in device/program_data.h.
 
 typedef struct {
   __global const Real* numbers;
