@@ -44,7 +44,7 @@ class CommandLine {
 
   /// Adds the command's other options, which do not affect the result.
   boost::program_options::options_description_easy_init addOptions() { return mOwn.add_options(); }
-  /// Adds such options from a table.
+  /// The same for options that a table describes.
   void addOptions(const std::vector<vdbtools::OptionSpec>& options);
   /// Adds a positional argument that is not part of a recipe; @a count -1 takes all that follow.
   void addPositional(const char* name, int count, const char* help);

@@ -182,7 +182,8 @@ Cone WaveVersor<Real>::coneBySlopes(const Ball& ball, double low, double high, d
                                            texels[static_cast<std::size_t>(k - first) + 1].versor);
     return coarse + (fine - coarse) * blendAt(octave, k);
   };
-  // The blends at the centre lie on a segment for each integer, and the others are as near to it as their versors.
+  // Between two integers, the blends at the centre lie on a segment. Elsewhere in the ball they are within `turning` of
+  // it.
   const double middle = (low + high) / 2;
   const Quaternion<double> axis = mixed(std::floor(middle), middle);
   double farthest = 0;

@@ -165,7 +165,7 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
 
 FloatGrid::Ptr narrowed(const FloatGrid::Ptr& band, const MeshToSdfOptions& options) {
   using Leaf = openvdb::FloatTree::LeafNodeType;
-  // Scales as the distances and the tiles of a band are scaled.
+  // Scaled in floats, as convert() scales the distances and the tiles of a band.
   const auto scale = static_cast<float>(options.voxelSize);
   const float exterior = static_cast<float>(options.exteriorBandWidth) * scale;
   const float interior = std::isfinite(options.interiorBandWidth)

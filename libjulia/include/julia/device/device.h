@@ -39,8 +39,8 @@ class Device {
   virtual const DeviceInfo& info() const = 0;
 
   /// An evaluator that evaluates on the device what @a host evaluates, with the same bits, and leaves the rest to it:
-  /// proofs, versors, orbit traps. If the device fails, @a host goes on alone, and @a notice is called once with a
-  /// sentence that says so.
+  /// proofs, versors, orbit traps. If the device fails, @a host evaluates everything from then on, and notify() is
+  /// called once with a sentence about it.
   /// @param reason  receives why the device cannot evaluate this field, if it cannot; @a host is returned then
   virtual std::unique_ptr<FieldEvaluator> evaluator(std::unique_ptr<FieldEvaluator> host,
                                                     std::string& reason) const = 0;
