@@ -25,7 +25,7 @@ struct Option {
   std::string name;      ///< without dashes
   char letter = 0;       ///< the short form; 0: none
   std::string argument;  ///< empty: a flag
-  std::string fallback;  ///< the default, if the library knows it; empty: none
+  std::string fallback;  ///< the default, if Boost's option has one; empty: none
   std::string help;
 };
 

@@ -43,7 +43,7 @@ std::atomic<int> theGroup{0};  // process group to which signals are forwarded
 
 // The program promises to end within a second; this is the part for work that stops by itself.
 constexpr std::chrono::milliseconds kGrace(700);
-// Printing a few words takes no time, unless nobody reads them.
+// Printing a few words takes no time, unless nobody reads the pipe.
 constexpr std::chrono::milliseconds kLastWords(200);
 // Renaming takes no time, but flushing a folder may. A disk that is gone blocks forever.
 constexpr std::chrono::seconds kLongestPlacing(10);

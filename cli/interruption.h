@@ -15,7 +15,7 @@ void watchForInterruption();
 /// Whether a signal to stop the work has arrived.
 bool interrupted() noexcept;
 
-/// While one exists, files are being committed, and a signal waits until report() knows of them.
+/// Exists while files are being committed and recorded in report(); a signal waits until then.
 class Placing {
  public:
   Placing() noexcept;

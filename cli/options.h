@@ -30,7 +30,7 @@ struct Usage {
   const char* examples;  ///< lines that work as they stand, given the files they name
   /// The command whose recipes --config accepts from generated files; by default the command itself.
   const char* recipesOf = nullptr;
-  /// Words of which one follows the command, as in "list new inspect"; nullptr: anything may follow.
+  /// The words that can follow the command, as in "list new inspect"; nullptr: anything may follow.
   const char* words = nullptr;
   /// An option of recipes that the command line does not take, because the command has its own option of that name.
   const char* hides = nullptr;
@@ -43,7 +43,7 @@ class CommandLine {
 
   /// Adds the command's other options, which do not affect the result.
   boost::program_options::options_description_easy_init addOptions() { return mOwn.add_options(); }
-  /// Adds such options from a table. One called "output" has the short form -o, too.
+  /// The same for options that a table describes.
   void addOptions(const std::vector<vdbtools::OptionSpec>& options);
   /// Adds a positional argument that is not part of a recipe; @a count -1 takes all that follow.
   void addPositional(const char* name, int count, const char* help);
@@ -99,7 +99,7 @@ class CommandLine {
 
   /// The file of --config if it holds a recipe that the program recorded; else empty.
   const std::filesystem::path& configHolder() const { return mConfigHolder; }
-  /// The files on the command line that the command works on, and that of --config; no output may be one of them.
+  /// The files on the command line that the command works on, and the file of --config; no output may be one of them.
   vdbtools::InputFiles inputs() const;
   /// The words of the common options that were given, to pass on to other commands of this program. The caller decides
   /// how many threads each of them gets.
@@ -121,7 +121,7 @@ class CommandLine {
   /// Finds words that boost would misread: an option without its value, an option that does not exist.
   void checkWords(const Arguments& arguments, const boost::program_options::options_description& all) const;
   void readConfig(const std::string& file);
-  /// All words of a positional argument, of which there are one or many.
+  /// The word or words of a positional argument.
   std::vector<std::string> wordsOf(const std::string& name) const;
   void takePipes() const;
   void applyThreads();

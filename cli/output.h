@@ -22,8 +22,8 @@ class CommandLine;
 
 class Outputs {
  public:
-  /// @param inputs  what is read in addition to CommandLine::inputs(): the files that a recipe names, and those of
-  ///                options. Files named by the recipes in all these are added here
+  /// @param inputs  what is read in addition to CommandLine::inputs(): files that a recipe or an option names.
+  ///                Files named by the recipes in all these are added here
   /// @param frame   the frame number for names such as name.####.vdb, if there is one
   explicit Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame = {});
 
@@ -33,7 +33,7 @@ class Outputs {
   /// @throw vdbtools::CreateError
   vdbtools::AtomicFile& add(const std::string& option, const std::string& name, std::string_view extensions);
 
-  /// Commits all files, and tells report().
+  /// Commits all files and records them in report().
   /// @param isAll  whether the command makes no further files; see workIsDone()
   /// @throw vdbtools::IoError
   void commit(bool isAll = true);
@@ -56,7 +56,7 @@ void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, st
 inline constexpr const char* kMeshHelp =
     "the mesh to write: .ply, .obj, .stl or .glb; - is a PLY on the standard output, -.obj an OBJ";
 
-/// Whether an output's name is that of the standard output, "-" or "-.ply" and "-.obj".
+/// Whether an output's name means the standard output, "-" or "-.ply" and "-.obj".
 bool isStandardOutput(const std::string& name);
 
 /// The extension that determines the format of @a name: ".ply" for "-", and @a usual for a device, which has none.

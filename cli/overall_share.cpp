@@ -12,7 +12,7 @@ using vdbtools::PhaseKind;
 
 // The weights are roughly hundredths of a run on the bunny with 200 to 400 voxels along its longest side.
 
-// Constants of the compiler: an allocation that fails before main() could not be reported.
+// The tables are constexpr, because a failed allocation before main() could not be reported.
 
 /// Combines the phases that make a target and its exponent with further ones.
 template <std::size_t N>

@@ -47,7 +47,7 @@ class Report {
   /// The stream for the sentences of a command that has finished its work. In JSON mode they wait for the closing
   /// event.
   std::ostream& text();
-  /// A number of the summary, such as that of the triangles. The last one of a name counts.
+  /// A number of the summary, such as the number of triangles. A later call with the same name replaces it.
   void count(const std::string& name, double value) { keep(name, value); }
   /// Whole numbers keep all their digits.
   template <std::integral Whole>

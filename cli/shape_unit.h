@@ -14,7 +14,7 @@ class CommandLine;
 
 void addUnitsOption(CommandLine& line);
 
-/// The unit of the coordinates in the file @a input: the one that it records, or else that of --units.
+/// The unit of the coordinates in the file @a input: the one that it records, or else the unit of --units.
 /// @throw std::invalid_argument  --units is no unit, or another one than the file's
 std::optional<vdbtools::LengthUnit> unitOf(const CommandLine& line, const std::string& input);
 

@@ -26,7 +26,7 @@ int runPlanSheet(const Arguments& arguments);
 
 /// --key and --ease of 'plan frames' and 'fractal'.
 void addKeyOptions(CommandLine& line);
-/// The values of these. @param frames  those of --frames  @param makes  the products of each frame
+/// The values of the key options. @param frames  the frames of --frames  @param makes  the products of each frame
 /// @throw std::invalid_argument  also if an option or a key has an effect in no frame
 vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, std::vector<int> frames,
                                                    const std::set<vdbtools::Product>& makes);

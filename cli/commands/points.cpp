@@ -63,7 +63,7 @@ struct Made {
   vdbtools::FileAxes axes{};
 };
 
-/// The options that say which attributes the points carry. For a fractal, they replace those of its recipe.
+/// The options that choose the attributes of the points. For a fractal, they replace the same options of its recipe.
 const vdbtools::OptionTable& attributeTable() {
   static const vdbtools::OptionTable table(vdbtools::attributeOptionSpecs());
   return table;

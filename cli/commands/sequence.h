@@ -107,7 +107,7 @@ struct FrameJob {
 /// Checks everything about an input. Of the input itself it reads only the recipe.
 using FramePreparer = std::function<FrameJob(const std::string& input)>;
 
-/// Runs a command on its input or, with --frames, on that of each frame. Before the first frame is made, all frames are
+/// Runs a command on its input or, with --frames, on each frame's input. Before the first frame is made, all frames are
 /// prepared, all inputs must exist, and no output may be an input of any frame. If all frames have the same input, the
 /// first frame is made and the others are copies.
 /// @param input    the name of the input, which may contain a frame pattern

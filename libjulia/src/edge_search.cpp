@@ -27,7 +27,7 @@ struct Brackets {
   }
 };
 
-/// Evaluates F at ends of which only the sign is known, as it would have been stored.
+/// Evaluates F at ends where only its sign is known, and rounds it as a stored value.
 void evaluateEnds(const FieldEvaluator& evaluator, std::span<const CrossedEdge> edges, const SearchLattice& lattice,
                   Brackets& brackets) {
   constexpr float kUnknown = static_cast<float>(kFieldLimit);

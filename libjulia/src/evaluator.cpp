@@ -188,7 +188,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
       ImagedCubes::replace(values + i * NodeBlock::kSize, trap, mLogEscape, decided.data() + i * kCount);
   }
 
-  /// Calls body(number of an imaged cube) for those of a cube.
+  /// Calls body(number) for each imaged cube in a cube.
   template <class Body>
   static void forEachCube(const Cube& cube, const Body& body) {
     constexpr std::size_t kAcross = ImagedCubes::kAcross;
@@ -197,7 +197,7 @@ class LogPolarEvaluator final : public OrbitEvaluator<Real> {
         for (std::size_t z = 0; z < cube.across; ++z) body(cube.first + (x * kAcross + y) * kAcross + z);
   }
 
-  /// Sets decided[k] to +inf or -inf for the imaged cubes of those cubes whose next l escapes or is trapped everywhere.
+  /// Sets decided[k] to +inf or -inf for the imaged cubes in cubes whose next l escapes or is trapped everywhere.
   void decideCubes(const std::vector<Cube>& cubes, const std::vector<Ball>& balls, std::vector<Real>& decided) const {
     constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
     const double escape = static_cast<double>(mLogEscape), trap = static_cast<double>(mLogTrap);

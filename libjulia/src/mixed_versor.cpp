@@ -59,7 +59,7 @@ void MixedVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones
     }
     const double least = std::max(low, 0.), most = std::min(high, 1.), middle = (least + most) / 2;
     const Ball u = chordBall(cones[i]), v = chordBall(over[i]);
-    // The mixes of the centres lie on a segment, and the others no farther from it than their versors from the centres.
+    // Mixes of the two centres lie on a segment. Mixes of other points of the balls are within across() of it.
     const double along = norm(v.centre - u.centre) * (most - least) / 2;
     const auto across = [&](double m) { return u.radius * (1 - m) + v.radius * m; };
     cones[i] = coneOf(

@@ -40,7 +40,7 @@ struct NodeCubes {
     });
   }
 
-  /// Sets the values between @a low and @a high to those of their cubes, unless these are 0.
+  /// Replaces values between @a low and @a high by the values of their cubes, unless these are 0.
   static void replace(Real* values, Real low, Real high, const Real* byCube) {
     forEachColumn([&](std::size_t cube, std::size_t first) {
       std::array<Real, NodeBlock::kSide> column;

@@ -301,7 +301,7 @@ class OrbitEvaluator : public FieldEvaluator, public OrbitTracer {
     finishStep(batch, false, false, field, iterations, 0);
   }
 
-  /// @return whether some point may have escaped already
+  /// @return false if no point has escaped yet
   bool embed(std::span<const Point> points, Batch& batch) const {
     QuaternionBatch<Real>& q = batch.q;
     const Quaternion<Real*> components{q.a.data(), q.b.data(), q.c.data(), q.d.data()};

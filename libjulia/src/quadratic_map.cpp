@@ -51,7 +51,7 @@ LogRange QuadraticMap<Real>::rangeOver(const Ball& ball) const {
   const Ball value = valueOver(ball);
   const double size = norm(value.centre);
   const double low = logarithmOf(size - value.radius), high = logarithmOf(size + value.radius);
-  // The error of the logarithm itself, and that of |f|.
+  // The errors of the logarithm itself and of |f|.
   const auto rounding = [](double l) { return kEpsilonOf<Real> * (2 * std::abs(l) + 4) + kSlack; };
   return {low > -std::numeric_limits<double>::infinity() ? low - rounding(low) : low, high + rounding(high)};
 }

@@ -50,7 +50,7 @@ double turning(const RootFactor<Real>& factor, const Distance& at, double d, dou
   const double p = std::abs(static_cast<double>(factor.power));
   if (factor.method != PowerMethod::Angle) return p;
   const double a = at.difference.a;
-  // cos w >= 1 - sin^2 w. First s cos w >= |a| sin w + d/p, squared: the usual case needs no square root.
+  // cos w >= 1 - sin^2 w. The usual case, s cos w >= |a| sin w + d/p, is tested in squares, without a square root.
   const double cosine = 1 - sine * sine, other = std::abs(a) * sine + d * (1 / p + kSlack);
   if (at.imaginarySquared * (cosine * cosine) >= other * other) return p;
   const double least = std::sqrt(at.imaginarySquared) * cosine - std::abs(a) * sine - d * kSlack;

@@ -84,8 +84,8 @@ WaveVersor<Real>::WaveVersor(const WaveTexture& texture, std::shared_ptr<const S
     }
     plan->bounds.push_back(bound);
     // An angle consists of four products and three sums of numbers of the size of a place; frequencies, the origin and
-    // the difference to it are rounded. Then come the sine and cosine, those of the doubled angle, and the sum. A
-    // quadrant is pi/2 radians.
+    // the difference to it are rounded. Then come the sine and cosine, their values for the doubled angle, and the sum.
+    // A quadrant is pi/2 radians.
     const double rounding = bound.amplitude * 4 * kEpsilonOf<Real>;
     plan->discBounds.push_back({.curvature = curvature,
                                 .rounding = rounding * (8 + static_cast<double>(factor.waves.size())),
@@ -182,7 +182,8 @@ Cone WaveVersor<Real>::coneBySlopes(const Ball& ball, double low, double high, d
                                            texels[static_cast<std::size_t>(k - first) + 1].versor);
     return coarse + (fine - coarse) * blendAt(octave, k);
   };
-  // The blends at the centre lie on a segment for each integer, and the others are as near to it as their versors.
+  // Between two integers, the blends at the centre lie on a segment. Elsewhere in the ball they are within `turning` of
+  // it.
   const double middle = (low + high) / 2;
   const Quaternion<double> axis = mixed(std::floor(middle), middle);
   double farthest = 0;

@@ -34,8 +34,8 @@ struct SearchLattice {
 /// The width of a bracket that is narrow enough, in voxels: the middle of the last bracket is within half of it.
 inline double narrowBracket(const SearchLattice& lattice) { return 2 * lattice.tolerance; }
 
-/// How many evaluations an edge may take: those of bisection, and one more for interpolation. Rounding may take
-/// another.
+/// The largest number of evaluations of an edge: as many as bisection needs, and one more for interpolation. Rounding
+/// may cost another one.
 int mostEvaluations(const SearchLattice& lattice);
 
 }  // namespace julia

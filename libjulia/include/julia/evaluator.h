@@ -79,7 +79,7 @@ class FieldEvaluator {
   virtual void orbitTraps(std::span<const Point> points, std::span<double> nearest) const = 0;
 
   /// Sets out[i] to what is known about the sign of F, as evaluate() computes it, at all points within @a radius of
-  /// centres[i]. Inside and Outside are proofs; Undecided says nothing.
+  /// centres[i]. Inside and Outside are proofs; Undecided means that nothing is known.
   virtual void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const {
     (void)centres, (void)radius;
     std::fill(out.begin(), out.end(), Decision::Undecided);
@@ -89,8 +89,8 @@ class FieldEvaluator {
   /// orbit to its end, kFieldLimit with that sign. The result at a node depends on its block alone.
   virtual void evaluateBlocks(std::span<const NodeBlock> blocks) const;
 
-  /// Sets found[i] to a place on edge i, in voxels from its beginning, within the lattice's tolerance of which the sign
-  /// of F changes. It depends on the edge alone. @pre found.size() == edges.size()
+  /// Sets found[i] to a place on edge i, in voxels from its beginning. The sign of F changes within the lattice's
+  /// tolerance of it. The result depends on the edge alone. @pre found.size() == edges.size()
   virtual void findCrossings(std::span<const CrossedEdge> edges, const SearchLattice& lattice,
                              std::span<double> found) const;
 };

@@ -74,8 +74,8 @@ struct SymmetricVersorDescription {
 ///
 /// Mirrors fold space at their planes, so that the versor is evaluated on one side only. A kaleidoscope folds space
 /// into half a sector. Both folds are continuous and never increase the distance of two points. Rotations without
-/// mirrors have no such fold, because the borders of a sector do not match. The versor is then that of the sum over all
-/// rotations R, u(q) ~ sum of v(R q).
+/// mirrors have no such fold, because the borders of a sector do not match. The versor is then the direction of the sum
+/// over all rotations R, u(q) ~ sum of v(R q).
 template <class Real>
 class SymmetricVersor final : public VersorField<Real> {
  public:

@@ -44,7 +44,7 @@ std::vector<Point> pointsOnHelix(const Point& centre, const Point& axis, double 
 /// @throw std::invalid_argument  also for an empty box, or a spacing that gives more than a million nodes
 std::vector<Point> pointsOfLattice(const Point& boxMin, const Point& boxMax, double spacing);
 
-/// Returns @a count points spread over a surface: each is, out of many random points of the surface, the one that lies
+/// Returns @a count points spread over a surface. Each is the one of many random points of the surface that lies
 /// farthest from the points before it.
 /// @param distance  the signed distance to the surface, correct at least where it is below @a reach
 /// @param boxMin    lower corner of the box that is searched for the surface

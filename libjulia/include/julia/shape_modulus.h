@@ -44,8 +44,8 @@ class ShapeModulus final : public Map<Real> {
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const override;
   void images(std::span<const Ball> balls, std::span<const LogRange> l,
               std::span<std::optional<Ball>> images) const override;
-  /// The proof rests on two facts: beyond some distance from the origin E is nowhere below @a wanted, and the part of
-  /// an image without its dropped component has the length e^l times that of the same part of the versor.
+  /// The proof rests on two facts: beyond some distance from the origin E is nowhere below @a wanted, and an image
+  /// without its dropped component is e^l times as long as the versor without that component.
   double usefulRadius() const override { return mVersor->usefulRadius(); }
   typename Map<Real>::EscapeProof escapeProof(double wanted) const override;
   void escapeBounds(const QuaternionBatch<Real>& centres, Real radius, const typename Map<Real>::EscapeProof& proof,

@@ -103,7 +103,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     if (!isDone([&] { findThere(edges, lattice, found); })) mHost->findCrossings(edges, lattice, found);
   }
 
-  /// A device wants many points at a time.
+  /// A device is efficient only with many points at a time.
   std::size_t preferredBatch() const override { return mLost ? mHost->preferredBatch() : std::size_t{1} << 16; }
   FieldDescription describe() const override { return mHost->describe(); }
   int dimension() const override { return mHost->dimension(); }

@@ -20,7 +20,7 @@
 namespace julia::device {
 namespace {
 
-/// Explains those of OpenCL's error codes about which a user can do something.
+/// Explains the error codes of OpenCL that a user can do something about.
 std::string meaningOf(cl_int error) {
   switch (error) {
     case CL_MEM_OBJECT_ALLOCATION_FAILURE:
@@ -61,7 +61,7 @@ std::string textOf(const OpenClFunctions& cl, cl_device_id device, cl_device_inf
   });
 }
 
-/// Why floating-point numbers of one size are not those of IEEE 754; empty if they are.
+/// Why floating-point numbers of one size do not follow IEEE 754; empty if they do.
 std::string arithmeticRefusal(cl_device_fp_config has, bool floats) {
   if (!(has & CL_FP_DENORM)) return "it has no denormal numbers";
   if (!(has & CL_FP_ROUND_TO_NEAREST)) return "it does not round to the nearest number";

@@ -76,7 +76,7 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   /// The program of a field. It is compiled once for all fields with the same switches and textures of the same kind.
   /// @param switches, texture  as in ProgramData  @throw DeviceFailure
   std::shared_ptr<const Program> program(bool floats, const std::string& switches, const std::string& texture) const;
-  std::size_t mostBytes() const { return mMostBytes; }  ///< the most that one piece of memory may have
+  std::size_t mostBytes() const { return mMostBytes; }  ///< the size limit of a single allocation
 
   struct ReleaseMemory {
     const OpenClDevice* device;

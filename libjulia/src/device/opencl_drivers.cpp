@@ -24,7 +24,7 @@ constexpr const char* kLoader = "libOpenCL.so.1";
 using AddressOf = void*(CL_API_CALL*)(const char*);
 /// Vendors' drivers, as their packages and container toolkits name them.
 constexpr const char* kVendorDrivers[] = {"libnvidia-opencl.so.1", "libamdocl64.so"};
-/// Their folders in container images whose linker does not search them.
+/// Folders with these drivers in container images whose dynamic linker does not search there.
 constexpr const char* kVendorFolders[] = {"/usr/local/nvidia/lib64/", "/opt/rocm/lib/", "/opt/rocm/opencl/lib/"};
 
 std::string variable(const char* name) {

@@ -2,7 +2,7 @@
 // The orbit of one point, as docs/design.md 2.3 defines it, in OpenCL C. versors.cl and the functions of the field's
 // texture, the last of which is versorOfTexture(), come before it.
 //
-// device/program_data.h says what MAP and VERSOR stand for, and what `numbers` and `integers` hold.
+// The macros MAP and VERSOR, `numbers` and `integers` are described in device/program_data.h.
 
 #if MAP == MAP_TRIPLEX
 void complexPower(uint n, Real* a, Real* b) {

@@ -251,7 +251,7 @@ class Builder {
       mNumbers.push_back(static_cast<Real>(x));
   }
 
-  /// Where the places and the values of bricks begin among those of all bricks.
+  /// Where a field's places and values of bricks begin in the arrays of all fields.
   struct Start {
     std::uint64_t places = 0, values = 0;
   };

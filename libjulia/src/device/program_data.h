@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file program_data.h
 /// The data of a field that a device receives: the switches of its program, and the numbers from which it computes.
-/// They are those of the processor's evaluators, rounded to the same type by the same code.
+/// The processor's evaluators use the same numbers, rounded to the same type by the same code.
 #pragma once
 
 #include "julia/bricks.h"
@@ -21,7 +21,7 @@ enum class MapKind { ShapeModulus, Rational, Quadratic, Cross, Triplex };
 enum class VersorKind {
   None,     ///< it is the map's value
   Value,    ///< its versor is the map's value divided by its length
-  Texture,  ///< its versor is that of the field's texture, whose functions are in ProgramData::texture
+  Texture,  ///< its versor is the field's texture, whose functions are in ProgramData::texture
 };
 
 /// Places in ProgramData::numbers. The lists of lattices and nodes follow.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an orbit reads at a point, in OpenCL C: fields of bricks and versors. device/program_text.cpp puts the words and
-// the constants of kernels/language.h and the shared text of kernels/shared in front of it. What a point needs beyond
-// the shared text, the order of its operations included, is that of the processor's code: kernels/*_bodies.h for roots
-// and waves, moved_versor.cpp, mixed_versor.cpp and vector_versor.cpp for what is made of them.
+// the constants of kernels/language.h and the shared text of kernels/shared in front of it. Everything else computes
+// as the processor does, in the same order of operations: roots and waves as in kernels/*_bodies.h, and versors made of
+// them as in moved_versor.cpp, mixed_versor.cpp and vector_versor.cpp.
 //
-// device/program_data.h says what the arrays hold.
+// The arrays are described in device/program_data.h.
 
 typedef struct {
   __global const Real* numbers;

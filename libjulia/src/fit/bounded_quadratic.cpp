@@ -36,7 +36,7 @@ bool BoundedQuadratic::factor(const std::vector<char>& free) {
   return mFactor.has_value();
 }
 
-/// Columns of the border: those of H for added variables, unit vectors for variables held at 0.
+/// Appends columns of the border: columns of H for added variables, unit vectors for variables held at 0.
 void BoundedQuadratic::appendColumns(const std::vector<Index>& changed) {
   std::vector<Index> missing;
   for (const Index i : changed)
@@ -57,7 +57,7 @@ void BoundedQuadratic::appendColumns(const std::vector<Index>& changed) {
   mColumns.rightCols(columns.cols()) = mFactor->forwardAll(columns);
 }
 
-/// Solves if the factor's variables and the free ones differ by @a changed. The unknowns are those of the factor,
+/// Solves if the factor's variables and the free ones differ by @a changed. The unknowns are the factor's variables,
 /// followed by the values of added variables and the multipliers of variables held at 0. @return empty if rounding
 /// spoils it
 std::optional<BoundedQuadratic::Solution> BoundedQuadratic::solveBordered(const std::vector<Index>& changed,

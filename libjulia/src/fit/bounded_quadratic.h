@@ -45,7 +45,8 @@ class BoundedQuadratic {
   std::optional<Cholesky> mFactor;
   std::vector<char> mIsFactored;
   std::vector<Eigen::Index> mFactored;
-  /// The solves with the factor for the columns of variables whose state has differed from that in the factor.
+  /// The solutions of the factor for the columns of variables whose state (free or at 0) has differed from the
+  /// factor's.
   Eigen::MatrixXd mColumns;
   std::vector<Eigen::Index> mColumnOf;  ///< the column of each variable in mColumns; -1 for none
 };

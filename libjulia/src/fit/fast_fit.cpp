@@ -32,8 +32,8 @@ constexpr std::size_t kHeldOut = 10;  // one in this many cells
 // The weight of the summed squares of the powers. It determines what the cells leave undetermined, but does not change
 // the shape.
 constexpr double kRidge = 1e-6;
-// Far away the map is |q|^degree, where the degree is the sum of the top's powers less that of the bottom's. Unless it
-// is above 1, points far outside return, and below 0 infinity is a root; the cells do not rule that out. Therefore a
+// Far away the map is |q|^degree, where the degree is the sum of the top's powers minus the sum of the bottom's. Unless
+// it is above 1, points far outside return, and below 0 infinity is a root; the cells do not rule that out. Therefore a
 // penalty acts on degrees below 2, the degree of q^2.
 constexpr double kLeastDegree = 2, kDegreeStiffness = 1;
 // The minimum power of the root at the origin, for the same reason: 0 attracts from 1 on, and faster than linearly
@@ -561,7 +561,7 @@ void Fitter::report(bool roundEnds) {
   mOptions.onStep({mStage, mSteps, mRoots.size(), mEnergy, psi(), heldOutIou(), &now, roundEnds});
 }
 
-/// The root at the origin and those of the options, each on the side of the cell nearest to it.
+/// The root at the origin and the roots of the options, each on the side of the cell nearest to it.
 std::vector<FitRoot> Fitter::firstRoots() const {
   std::vector<FitRoot> first{{Point{0, 0, 0}, false, kLeastAtOrigin}};
   for (const Point& x : mOptions.start) {

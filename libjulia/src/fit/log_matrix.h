@@ -55,8 +55,8 @@ class LogMatrix {
   void logModuli(std::span<const double> weights, double constant, std::span<double> l) const;
 
   /// Computes [A 1]^T diag(w) [A 1] of the weighted cells, both triangles.
-  /// @param gram  in: the matrix of the first roots and the same cells, or empty; out: that of all roots. Only the
-  ///              missing entries are summed.
+  /// @param gram  in: the matrix of the first roots and the same cells, or empty; out: the matrix of all roots.
+  ///              Only the missing entries are summed.
   void extendGram(const CellSample& sample, Eigen::MatrixXd& gram) const;
 
  private:

@@ -23,8 +23,8 @@ constexpr double kLargestNumber = 1e9;
 constexpr std::size_t kMostMonopoles = 1'000'000;
 // Candidates drawn at a time: enough to last a while, but quick to draw.
 constexpr std::size_t kPool = 10'000;
-// A column of which less than this fraction is new would only add rounding errors, and large weights that cancel each
-// other.
+// A column is skipped if less than this fraction of it is independent of the earlier columns. It would only add
+// rounding errors, and large weights that cancel each other.
 constexpr double kDependent = 1e-8;
 
 using Eigen::Index;

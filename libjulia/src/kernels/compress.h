@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kCompressed = 16;
 using KeptMask = __mmask16;
 
-/// The mask of the entries whose byte is 1 and not 0.
+/// The mask of the entries whose byte is 1; the others are 0.
 JULIA_INLINE KeptMask keptMask(const std::uint8_t* isKept) {
   const __m128i flags = _mm_load_si128(reinterpret_cast<const __m128i*>(isKept));
   return _mm_test_epi8_mask(flags, flags);

@@ -89,7 +89,7 @@ struct WaveFactorBound {
   double rounding = 0;   ///< of the sum, however small its phases are
   double perSize = 0;    ///< of the sum, for each unit of a place's size
 };
-/// A ball over which the versor of waves is asked for. Its octaves lie between one whole number and the next.
+/// A ball over which the versor of waves is bounded. Its octaves lie between one whole number and the next.
 struct WaveBall {
   double place[4];  ///< its centre, from the texture's origin, units of the map's space
   double radius = 0;
@@ -97,7 +97,7 @@ struct WaveBall {
   double scale = 1;            ///< 2 to the power of the whole number
   double least = 0, most = 0;  ///< the weights of the finer octave
 };
-/// A versor, and an upper bound of how far those of a ball are from it; infinity if nothing is known.
+/// A versor, and an upper bound of the distance of a ball's versors from it; infinity if nothing is known.
 struct VersorDisc {
   double centre[4];
   double radius;

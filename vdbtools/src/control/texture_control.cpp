@@ -80,7 +80,7 @@ Picture1 channelOf(const DecodedImage& image, ColourChannel channel, const Named
 Picture1 reduced(const Picture1& picture, double factor) {
   const int width = std::max(1, static_cast<int>(std::lround(picture.width / factor)));
   const int height = std::max(1, static_cast<int>(std::lround(picture.height / factor)));
-  // Calls use(old, share) along one axis for the old pixels of which the new one consists.
+  // Calls use(old, share) along one axis for the old pixels that the new pixel covers, with its share of each.
   const auto forEachPart = [](int at, int count, int old, const auto& use) {
     const double begin = static_cast<double>(at) * old / count, end = static_cast<double>(at + 1) * old / count;
     for (int i = static_cast<int>(begin); i < old && i < end; ++i)

@@ -70,7 +70,7 @@ double aspectRatio(const HalfedgeMesh& mesh, const std::array<HalfedgeMesh::Vert
   return longest / areaVector(mesh, t).norm();
 }
 
-/// Flips the edge between two triangles, one of which is flat, if that helps; such triangles have no short edge to
+/// Flips the edge between two triangles if one of them is flat and the flip helps. Flat triangles have no short edge to
 /// collapse.
 void flipEdgesOfFlatTriangles(HalfedgeMesh& mesh) {
   constexpr int kRounds = 3;  // a flip may make room for the next

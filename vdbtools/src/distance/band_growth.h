@@ -11,7 +11,7 @@
 namespace vdbtools {
 
 struct BandGrowth {
-  int leaves = 0;  ///< layers of leaves added around those of the band
+  int leaves = 0;  ///< layers of leaves added around the band's leaves
   bool wholeInside = false;
 
   bool operator==(const BandGrowth&) const = default;

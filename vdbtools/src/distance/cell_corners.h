@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file cell_corners.h
-/// The values at the corners of the cells that begin in a leaf: those of the leaf, and of the first layers of its
+/// The values at the corners of the cells that begin in a leaf: the leaf's values, and the first layers of its
 /// neighbours on the positive sides.
 #pragma once
 

@@ -42,7 +42,7 @@ constexpr float kNarrow = 2.6F;
 
 constexpr float kFar = 1e30F;
 
-/// In square voxels: a node is beside the surface only if the distance exceeds rounding errors.
+/// Because of rounding errors, a dot product of vectors in voxels counts as positive only above this.
 constexpr double kOnePlane = 1e-6;
 
 double halfDiagonal(int side) { return 0.5 * (side - 1) * std::sqrt(3.0); }
@@ -388,7 +388,7 @@ void withBounds(const TriangleTree& tree, PartCounts* counts, Monitor& monitor,
   return use(tree, sides.sign);
 }
 
-/// The bounds of solids with hollows: those of all layers together.
+/// The bounds of solids with hollows, from the bounds of all layers.
 struct LayeredBounds {
   LayeredBounds(const TriangleTree& tree, const NestedSurfaces& nested, Monitor& monitor) {
     for (std::size_t layer = 0; layer < nested.layers.size(); ++layer) {

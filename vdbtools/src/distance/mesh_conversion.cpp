@@ -33,7 +33,7 @@ constexpr double kLargestIndex = 1073741824.0;
 constexpr double kMostNodes = 2147483648.0;
 
 /// The minimum memory of the conversion, measured for many shapes and widths: to find the sides, bytes per voxel face
-/// of area; for the band, bytes per node, which are those of a float.
+/// of area; for the band, bytes per node, i.e. the size of a float.
 constexpr double kBytesForArea = 100, kBytesForNode = 4;
 
 /// Voxels beyond the requested bands.
@@ -165,7 +165,7 @@ FloatGrid::Ptr convert(const std::vector<Vec3d>& points, const std::vector<openv
 
 FloatGrid::Ptr narrowed(const FloatGrid::Ptr& band, const MeshToSdfOptions& options) {
   using Leaf = openvdb::FloatTree::LeafNodeType;
-  // Scales as the distances and the tiles of a band are scaled.
+  // Scaled in floats, as convert() scales the distances and the tiles of a band.
   const auto scale = static_cast<float>(options.voxelSize);
   const float exterior = static_cast<float>(options.exteriorBandWidth) * scale;
   const float interior = std::isfinite(options.interiorBandWidth)

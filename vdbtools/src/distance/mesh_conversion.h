@@ -34,7 +34,7 @@ openvdb::FloatGrid::Ptr toWorld(openvdb::FloatGrid::Ptr grid, double voxelSize);
 /// Derives from the @a band that convert() made the narrower band that it would make for @a options, without computing
 /// a distance again; each node and each tile has the same bits. A node whose distance equals the width after scaling to
 /// world units does not belong to the band. Returns the band itself if nothing is to be removed.
-/// @param options  those of the narrower band; the voxel size is that of @a band
+/// @param options  the options of the narrower band, with the voxel size of @a band
 openvdb::FloatGrid::Ptr narrowed(const openvdb::FloatGrid::Ptr& band, const MeshToSdfOptions& options);
 
 /// About @a count points spread over the surface, each representing the same area; always the same ones.

@@ -148,7 +148,7 @@ Parts findParts(const Welded& mesh, const Monitor& monitor) {
   return parts;
 }
 
-/// Whether the box of a closed part meets that of another part.
+/// Whether the box of a closed part overlaps the box of another part.
 bool mayMeet(const Parts& parts) {
   std::vector<std::uint32_t> order(parts.box.size());
   for (std::uint32_t p = 0; p < order.size(); ++p) order[p] = p;
@@ -488,7 +488,7 @@ class Union {
         const std::uint32_t other = mPartner[3 * t + static_cast<std::uint32_t>(c)];
         if (other != kNone && mFate[other] == Fate::Whole) patches.join(t, other);
       }
-    // The triangles of each patch stand together in members; those of the patch that i represents end at ends[i].
+    // In members, the triangles of a patch follow each other; the patch that i represents ends at ends[i].
     std::vector<std::uint32_t> members, ends(count + 1, 0);
     for (std::uint32_t t = 0; t < count; ++t)
       if (mFate[t] == Fate::Whole) ++ends[patches.find(t) + 1];
@@ -630,7 +630,7 @@ class Union {
   /// Where a part lies.
   struct Surroundings {
     int own = 0;                          ///< the winding number of the part, just inside of it, if it has one
-    int others = 0;                       ///< the sum of those of other surfaces
+    int others = 0;                       ///< the sum of the winding numbers of other surfaces
     std::vector<std::uint32_t> surfaces;  ///< those that enclose the part
     bool areOriented = true;              ///< whether these have winding numbers
     bool operator==(const Surroundings&) const = default;
@@ -663,7 +663,7 @@ class Union {
     return result;
   }
 
-  /// @param triangles  of a part; the largest ones are asked
+  /// @param triangles  the triangles of a part; only the largest ones are examined
   /// @return empty if they lie within other parts of the surface, so that these decide
   std::optional<Surroundings> surroundings(const std::vector<std::uint32_t>& triangles) {
     constexpr std::size_t kMostAsked = 256;
@@ -691,7 +691,7 @@ class Union {
 
   Nesting nesting() {
     const std::size_t count = mParts.closure.size();
-    // A surface of which anything is left lies within no other one.
+    // A surface that has any triangle left lies within no other one.
     std::vector<char> isOuter(count, 0);
     for (std::uint32_t t = 0; t < mTriangles.size(); ++t)
       if (mFate[t] == Fate::Kept || mFate[t] == Fate::Cut) isOuter[mSurfaces.find(mParts.of[t])] = 1;

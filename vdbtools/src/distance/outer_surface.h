@@ -16,8 +16,8 @@
 
 namespace vdbtools {
 
-/// A point of a triangle beside which a lattice has no outside: it lies within a part, or in a groove too narrow for
-/// the lattice.
+/// A point of a triangle that has no outside nodes of the lattice next to it: it lies within a part, or in a groove too
+/// narrow for the lattice.
 struct HiddenPlace {
   std::uint32_t triangle = 0;
   openvdb::Vec3d point;  ///< index space

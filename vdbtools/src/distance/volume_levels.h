@@ -30,7 +30,7 @@ bool isNegativeOutside(const openvdb::FloatGrid& grid);
 openvdb::FloatGrid::Ptr withOtherSign(const openvdb::FloatGrid& grid);
 
 /// The exact distances, in a narrow band, to the surface where a sampled field has the given value: a level set in
-/// world units, with the sign that the field has at each node. Its lattice is that of the field. If the field's voxels
+/// world units, with the sign that the field has at each node. It has the field's lattice. If the field's voxels
 /// are not cubes, it has cubes of their smallest side, parallel to the axes of the world, and node 0 in the same place.
 /// @param insideAbove  whether the inside is where the field is larger than the value, and not where it is smaller
 /// @throw DataError  a value that is not finite, no such surface, or an inside without an end

@@ -42,7 +42,7 @@ std::map<std::string, std::string> glbExtras(std::string_view bytes) {
     throw DataError("this is not a GLB: it does not begin as one does");
   std::memcpy(words, bytes.data(), kHead);
   const std::string_view rest = bytes.substr(kHead);
-  constexpr std::uint32_t kMostDescription = 16 << 20;  // bytes; those of this program have a few thousand
+  constexpr std::uint32_t kMostDescription = 16 << 20;  // bytes; this program writes a few thousand
   if (words[3] > rest.size()) throw DataError("the GLB ends before its description does");
   if (words[3] > kMostDescription) throw DataError("the GLB's description is too large to be one of this program");
   const nlohmann::json description = parsedJson<nlohmann::json>(rest.substr(0, words[3]));

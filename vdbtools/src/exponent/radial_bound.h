@@ -44,7 +44,7 @@ class RadialBound {
   struct Reach {
     const openvdb::FloatTree::LeafNodeType* leaf = nullptr;
     double nearest = 0;  ///< a lower bound of the distance to what its nodes are read for, units of fractal space
-    float greatest = 0;  ///< of its nodes and those of its neighbours
+    float greatest = 0;  ///< the largest value of its nodes and its neighbours' nodes
   };
   template <int kDegree>
   void addLeaf(const Reach& reach, class PrefixMaximum& table) const;

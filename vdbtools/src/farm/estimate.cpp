@@ -131,7 +131,7 @@ Estimated estimateTotal(std::span<const TaskWork> work, std::span<const std::pai
       sample.size() < work.size()
           ? tasks * fit.reach() * std::sqrt(fit.varianceOfMean(away, tasks, static_cast<double>(sample.size())))
           : 0;
-  // The total is at least that of the sample.
+  // The total is at least the sum of the sample.
   double least = 0;
   for (const auto& [unused, one] : sample) least += one;
   return {std::max(value, least), std::max(value - error, least), std::max(value + error, least)};

@@ -265,7 +265,7 @@ std::string encodeManifest(const Manifest& manifest) {
     }
     return laidOut(json);
   } catch (const Json::type_error&) {
-    // A name with replacement characters would be that of another file.
+    // A name with replacement characters would name another file.
     throw DataError("a name or a value of the plan is not UTF-8, as a manifest must be; rename the file");
   }
 }

@@ -17,7 +17,7 @@ namespace vdbtools::farm {
 /// The grid of a tile's file that has this name; null if there is none.
 openvdb::FloatGrid::Ptr partNamed(const VdbFile& file, const char* name);
 
-/// Merges the grids of all tiles into those of one run.
+/// Merges the grids of all tiles into the grids that a single run would make.
 /// @param islands, attributes  may be null
 /// @param result  gets the number of voxels in the level set's band, and its check
 /// @throw DataError  no tile has a part of the level set

@@ -17,7 +17,7 @@ namespace vdbtools::farm {
 inline constexpr const char* kTargetsName = "targets";
 
 /// The key under which the distances of a target are stored. It is the same for all recipes that compute them from the
-/// same mesh in the same way; "" if they are not stored: those of a VDB, and of a mesh whose SHA-256 the recipe lacks.
+/// same mesh in the same way. "" if they are not stored, i.e. for a VDB, or for a mesh whose SHA-256 the recipe lacks.
 std::string targetKey(const TargetOptions& options);
 
 /// Opens targets whose distances are stored in @a folder. A band is made up to 1.4 times as wide as requested and, if

@@ -267,7 +267,7 @@ TaskStatus taskStatus(const fs::path& folder, const Manifest& manifest, std::uin
       const fs::file_time_type time = fs::last_write_time(failedPath(folder, index), gone);
       if (!gone) status.failedAt = time;
     } catch (const nlohmann::json::exception&) {
-      status.exitCode.reset();  // it is broken, and tells nothing
+      status.exitCode.reset();  // the record is broken
     }
   }
   if (!status.error.empty()) status.state = TaskState::Failed;

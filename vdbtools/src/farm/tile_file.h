@@ -67,8 +67,8 @@ struct TileCounts {
   std::uint64_t layers = 0;
 };
 
-/// Makes the file of a tile from its layers, of which it keeps only the encoded bytes: the head of the file has the
-/// counts of all.
+/// Makes the file of a tile from its layers. Only their encoded bytes are stored until the end, because the head of the
+/// file contains the total counts.
 class TileEncoder {
  public:
   /// @param doubles  whether coordinates have 64 bits

@@ -53,9 +53,9 @@ class TileIslands {
 
   const std::vector<TilePart>& parts() const { return mParts; }
 
-  /// The part of an inside node; empty for other nodes, and for those that are not labelled.
+  /// The part of an inside node; empty for other nodes, and for nodes without a label.
   std::optional<std::uint32_t> partOf(const openvdb::Coord& node) const;
-  /// The part of a point on an edge, i.e. that of the edge's only inside end.
+  /// The part of a point on an edge, i.e. the part of the edge's only inside end.
   std::uint32_t partOf(const EdgePlace& edge) const;
 
   /// Counts a point that the tile owns.

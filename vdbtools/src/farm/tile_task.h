@@ -64,14 +64,14 @@ void requireCuttable(const FractalOptions& options, const std::vector<std::strin
 
 /// How far a tile's level set depends on nodes of other tiles, in nodes.
 inline constexpr int kTileHalo = 5;
-/// How far its mesh does: a normal is that of the triangles in the cells around an edge.
+/// The same for its mesh: a normal depends on the triangles in the cells around an edge.
 inline constexpr int kMeshHalo = 2;
 
 /// The nodes of a tile for points, triangles and grids: if the domain ends at a face of its box, they include the nodes
 /// beyond, where caps and bands lie.
 openvdb::CoordBBox ownNodes(const openvdb::CoordBBox& box, const openvdb::CoordBBox& domain);
 
-/// What is made of a tile beside the layers of its mesh.
+/// The products of a tile in addition to the layers of its mesh.
 struct Tile {
   std::vector<openvdb::GridBase::Ptr> grids;  ///< the tile's parts of the requested grids that are made of parts
   std::optional<TileIslands> islands;         ///< if islands are to be dropped
@@ -79,9 +79,9 @@ struct Tile {
   std::optional<CrumbReport> crumbs{};  ///< for the nodes that the tile owns, if crumbs are dropped
 };
 
-/// A tile that has neither grids nor islands is made in layers of blocks, and is never held as a whole.
+/// Makes a tile. Without grids and islands it is made in layers of blocks, and is never in memory as a whole.
 /// @param box     the nodes that the tile owns
-/// @param layers  takes those of the mesh, if the tile has one
+/// @param layers  takes the layers of the mesh, if the tile has one
 Tile makeTile(const Scene& scene, const openvdb::CoordBBox& box, const FractalProducts& wanted,
               const TileLayerSink& layers, Monitor& monitor);
 
@@ -95,7 +95,7 @@ class TileMaker {
 
   /// Makes the files of task @a index, and commits all of them together. The first task checks the map's files, and
   /// reads the prepared scene.
-  /// @throw DataError  the scene is not that of the plan, or a file of the map is not that of its recipe
+  /// @throw DataError  the scene does not belong to the plan, or a file of the map differs from the recipe's hash
   /// @throw as readPreparedScene(); CreateError, IoError
   TaskCounts make(std::uint64_t index, Monitor& monitor);
 

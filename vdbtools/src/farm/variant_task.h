@@ -36,8 +36,8 @@ class VariantMaker {
 TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
                        Monitor& monitor);
 
-/// Removes the distances (target_store.h) that no task needs any more: those of targets whose tasks are all done. A
-/// task that is run again computes them again.
+/// Removes the stored distances (target_store.h) of targets whose tasks are all done. A task that is run again computes
+/// them again.
 void removeUnneededTargets(const std::filesystem::path& folder, const Manifest& manifest);
 
 }  // namespace vdbtools::farm

@@ -102,7 +102,7 @@ class Follower {
                             .keepIterations = field.keepIterations,
                             .everyValue = field.everyNode,
                             .proofs = field.everyNode ? Proofs::None : Proofs::Eighths}) {
-    // Each adjacent block has one sign, that of its own seed.
+    // Each adjacent block has one sign, the sign of its own seed.
     openvdb::tools::dilateActiveValues(mKnown, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::EXPAND_TILES);
     mKnown.voxelizeActiveTiles();
   }

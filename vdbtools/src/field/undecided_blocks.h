@@ -16,8 +16,8 @@ namespace vdbtools {
 void decideCubes(std::span<const openvdb::Coord> corners, int side, double voxelSize, const openvdb::CoordBBox& domain,
                  const FieldSource& source, std::vector<julia::Decision>& decisions);
 
-/// The finest level at which ball arithmetic is asked for the sign of F. Each level is tried where the one above was
-/// undecided.
+/// The finest level at which ball arithmetic tries to prove the sign of F. Each level is tried where the level above it
+/// left the sign undecided.
 enum class Proofs {
   None,
   Blocks,   ///< blocks

@@ -42,7 +42,7 @@ bool lockOwn(int descriptor, const std::filesystem::path& path);
 enum class Owner {
   Alive,    ///< some process holds the lock
   Dead,     ///< no process on any machine holds it
-  Unknown,  ///< no process on this machine holds it, and the file system does not know about others
+  Unknown,  ///< no process on this machine holds it; the file system cannot tell about other machines
 };
 
 /// Tries to lock an open file without waiting. @param lock  LOCK_EX or LOCK_SH

@@ -12,7 +12,7 @@ namespace vdbtools {
 
 /// The picture that `render` makes of the PLY that `fractal` makes of this scene.
 /// @throw std::invalid_argument  a view that meshes do not have
-/// @throw DataError              there is no surface, or none but that of crumbs
+/// @throw DataError              there is no surface, or only crumbs have one
 /// @throw MemoryError            the mesh will not fit
 /// @throw Interrupted
 Image meshPicture(const Scene& scene, const ViewOptions& view, const Look& look, Monitor& monitor);

@@ -75,7 +75,7 @@ class PlacedVersor {
   const julia::Rational* roots() const;
   std::map<std::string, std::string> metadata() const;
   std::optional<std::uint64_t> seed() const;
-  /// Draws the random roots of the first layer anew.
+  /// Draws new random roots for the first layer.
   void reseed(std::uint64_t seed, const MapContext& context);
 
  private:

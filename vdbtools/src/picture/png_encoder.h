@@ -11,7 +11,7 @@ namespace vdbtools {
 
 /// Returns the bytes of an 8-bit PNG that is marked as sRGB.
 /// @param codes  sRGB, three for each pixel, row by row from the top left
-/// @param alpha  whether there are four, the last of which is the alpha; colours are not premultiplied
+/// @param alpha  whether each pixel has a fourth code, its alpha; colours are not premultiplied
 /// @throw std::invalid_argument  more pixels than libpng can count, about 1.4e9
 /// @throw std::bad_alloc         memory is short
 std::string encodePng(int width, int height, const std::uint8_t* codes, bool alpha = false);

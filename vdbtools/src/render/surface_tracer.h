@@ -102,8 +102,8 @@ class SurfaceTracer {
     return trace(origin, direction);
   }
 
-  /// The outward normal, of any length, from differences over two voxels. These are continuous where those of the
-  /// trilinear field jump.
+  /// The outward normal, of any length, from differences over two voxels. These are continuous, unlike the
+  /// derivatives of the trilinear field, which jump between voxels.
   openvdb::Vec3d normal(const openvdb::Vec3d& position) const;
 
  private:

@@ -95,7 +95,7 @@ class SharedTarget {
       try {
         return {wide, mInput->distances(wide, monitor)};
       } catch (const MemoryError&) {            // the requested widths may fit nevertheless
-      } catch (const std::invalid_argument&) {  // more nodes than a band may have
+      } catch (const std::invalid_argument&) {  // too many nodes for a band
       }
     }
     return {widths, mInput->distances(widths, monitor)};
@@ -116,7 +116,7 @@ double slopeOf(const std::optional<SceneShell>& shell);
 
 PlacedTarget placeShell(const ExponentSources& sources, SharedTarget& shared, Monitor& monitor);
 
-/// Places the target of a map without a shell. Its distances are as wide as those of the default shell.
+/// Places the target of a map without a shell. Its distances reach as far as the default shell needs.
 PlacedTarget placeTarget(const FractalOptions& options, SharedTarget& shared, Monitor& monitor);
 
 /// How fine the texture is at each place of the target.

@@ -80,7 +80,7 @@ bool voxelsAreLarge(double voxelSize, const BBoxd& box, const FractalSpace& spac
   return voxelSize / space.scale >= kLeastVoxel * largest;
 }
 
-/// @param box  the evaluated box, or that of the target, world units
+/// @param box  the evaluated box, or the target's box, world units
 Arithmetic chooseArithmetic(const FractalOptions& options, const MapInstance& map, double voxelSize, const BBoxd& box,
                             const FractalSpace& space) {
   switch (options.precision) {
@@ -100,7 +100,7 @@ Arithmetic chooseArithmetic(const Scene& scene, const MapInstance& map) {
 }
 
 /// The arithmetic of the evaluator with which the features of a scene are measured. It does not depend on the lattice,
-/// and is usually that of the field, too.
+/// and is usually the field's arithmetic, too.
 Arithmetic measuringArithmetic(const Scene& scene) {
   if (scene.options.precision != Precision::Auto)
     return scene.options.precision == Precision::Float ? Arithmetic::Float : Arithmetic::Double;
@@ -382,7 +382,7 @@ FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>&
   if (exponent) {
     plan.crumbs->exponent = exponent->grid;
     plan.crumbs->decided = exponent->shellOfNodes.lower;
-    // If the whole target is only a few voxels long, so are pieces of it that users want to keep.
+    // If the whole target is only a few voxels long, pieces that users want to keep may be as small.
     constexpr double kShare = 1.0 / 40;  // of the target's longest side
     if (scene.options.surface.crumbs == Crumbs::Auto)
       plan.crumbs->longest =

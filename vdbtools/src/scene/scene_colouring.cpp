@@ -33,7 +33,7 @@ std::pair<double, double> depthRange(const Scene& scene) {
   return {low, high};
 }
 
-/// A box that contains all or nearly all of the set, world units; for a map whose region is unknown, that of the scene.
+/// A box that contains all or nearly all of the set, world units; for a map whose region is unknown, the scene's box.
 openvdb::BBoxd wholeSet(const Scene& scene) {
   if (scene.target) {
     openvdb::BBoxd box = scene.target->distances.box;

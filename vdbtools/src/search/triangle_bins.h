@@ -42,7 +42,7 @@ class TriangleBins {
 
   /// Adds the bins of a layer; each of them has a triangle.
   /// @param blocks     the first nodes of their blocks
-  /// @param triangles  those of each block, in the order of the mesh
+  /// @param triangles  the triangles of each block, in the order of the mesh
   std::vector<Bin> add(std::span<const openvdb::Coord> blocks,
                        std::span<const std::vector<openvdb::Vec3I>* const> triangles, const Points& points,
                        const Monitor& monitor);

@@ -73,10 +73,10 @@ class TriangleTree {
  private:
   friend class BlockDistances;
 
-  /// Visits the triangles for whose boxes, and those of the packs and nodes above them, meets(boxes) has a bit.
+  /// Visits the triangles for which meets(boxes) has a bit at their own boxes and at all packs and nodes above them.
   template <class Meets, class Visit>
   void walk(const Meets& meets, const Visit& visit) const;
-  /// Those of its triangles, as those of a node's children.
+  /// The boxes of a pack's triangles, in the form of the boxes of a node's children.
   kernels::BoxNode boxesOf(const kernels::TrianglePack& pack) const;
 
   const std::vector<openvdb::Vec3d>& mPoints;
@@ -200,7 +200,7 @@ class BlockDistances {
   explicit BlockDistances(const TriangleBins& bins);
 
   /// The distance of a position, up to the rounding of floats, if it is at most @a within. Consecutive queries of
-  /// nearby positions are cheap, and so is evaluate() for a block whose middle was asked for last. The last bits may
+  /// nearby positions are cheap, as is evaluate() for a block whose middle was the last position. The last bits may
   /// depend on earlier queries.
   std::optional<float> distance(const openvdb::Vec3d& position, float within);
 

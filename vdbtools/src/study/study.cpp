@@ -100,7 +100,7 @@ std::optional<std::pair<double, double>> undecidedRange(const Scene& scene) {
 }  // namespace
 
 OptionTable studyOptionTable() {
-  // The specs, of which the study uses some, belong to the whole table.
+  // The study's specs are taken from the whole table, which owns them.
   const OptionTable fractal = fractalOptionTable();
   std::vector<OptionSpec> options;
   // Includes all options on which others depend.

@@ -106,7 +106,7 @@ void BandMaker::makeBandUpTo(std::int64_t x) {
     if (mNext > x) return;
     makeBand(static_cast<int>(mNext));
     mNext += kBlock;
-    // The next layer of the band needs those of the surface from the one before it on.
+    // The next layer of the band needs the surface from the layer before it on.
     if (mLayers.front().x >= mNext - kBlock) continue;
     mBins.removeFirst(mLayers.front().triangles, mLayers.front().nodes);
     const std::uint32_t nodes = mLayers.front().nodes;

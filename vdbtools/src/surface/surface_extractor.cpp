@@ -242,7 +242,7 @@ std::unique_ptr<SurfaceExtractor::LeafVertices> SurfaceExtractor::crossingEdges(
   return vertices;
 }
 
-/// Numbers a layer's vertices, after those of the layers before.
+/// Numbers a layer's vertices, continuing after the layers before it.
 void SurfaceExtractor::countVertices(Layer& layer) {
   std::size_t count = 0;
   for (const auto& part : layer.vertices)

@@ -85,7 +85,7 @@ class SurfaceExtractor {
 
   FieldSource mSource;
   Options mOptions;
-  openvdb::CoordBBox mNodes;  ///< nodes that edges and cells may use: those of the window, and those beyond the domain
+  openvdb::CoordBBox mNodes;  ///< nodes that edges and cells may use: in the window, and beyond the domain
   MeshSink* mSink;            ///< null if the mesh is wanted with its places
   PlacedMeshSink* mPlaced;    ///< else null
   Monitor& mMonitor;

@@ -6,8 +6,8 @@
 namespace vdbtools {
 namespace {
 
-/// A bracket of the sign change: at @a low the sign is that of the point itself, and at @a high the opposite one. World
-/// units along the way.
+/// A bracket of the sign change, in world units along the way: F has the sign of the point itself at @a low, and the
+/// opposite sign at @a high.
 struct Way {
   std::size_t point;
   openvdb::Vec3d direction;

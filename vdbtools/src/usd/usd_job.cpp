@@ -100,7 +100,7 @@ void addFrame(const fs::path& path, std::optional<int> number, const UsdOptions&
 class MeshReader {
  public:
   /// Reads all of them once. @param number  of the frame, if there are frames
-  /// @param unit  the scene's unit, if it is known; set to that of the first mesh if there is no VDB
+  /// @param unit  the scene's unit, if it is known; set to the first mesh's unit if there is no VDB
   void add(const fs::path& path, std::optional<int> number, const UsdOptions& options, UsdScene& scene,
            std::optional<LengthUnit>& unit) {
     const std::map<std::string, std::string> comments = readMeshComments(path);
@@ -182,7 +182,7 @@ class MeshReader {
   std::optional<std::size_t> mIndex;  ///< of mMesh
 };
 
-/// The frames in the order of time; one without a number if the name is that of one file.
+/// The frames in the order of time; a single one without a number if the name has no frame pattern.
 std::vector<std::optional<int>> framesOfName(const std::string& name, const std::vector<int>& frames) {
   if (!hasFramePattern(name)) return {std::nullopt};
   if (frames.empty())

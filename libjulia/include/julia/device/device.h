@@ -8,7 +8,7 @@
 /// that the kernels leave out, such as one that hits a root, are evaluated by the processor as well: a point's value
 /// does not depend on its batch.
 ///
-/// OpenCL's loader and drivers are opened when a device is asked for; a program that asks for none runs without them.
+/// OpenCL's loader and drivers are opened when a device is requested; other programs run without them.
 /// They are looked for once in a process: the loader, libOpenCL.so.1 or the file that the environment variable
 /// JULIAVDB_OPENCL names; and drivers of vendors that the loader does not know. If JULIAVDB_OPENCL_DRIVER names the
 /// file of a driver, it alone is used.
@@ -39,8 +39,8 @@ class Device {
   virtual const DeviceInfo& info() const = 0;
 
   /// An evaluator that evaluates on the device what @a host evaluates, with the same bits, and leaves the rest to it:
-  /// proofs, versors, orbit traps. If the device fails, @a host goes on alone, and @a notice is called once with a
-  /// sentence that says so.
+  /// proofs, versors, orbit traps. If the device fails, @a host evaluates everything from then on, and notify() is
+  /// called once with a sentence about it.
   /// @param reason  receives why the device cannot evaluate this field, if it cannot; @a host is returned then
   virtual std::unique_ptr<FieldEvaluator> evaluator(std::unique_ptr<FieldEvaluator> host,
                                                     std::string& reason) const = 0;

@@ -2,7 +2,7 @@
 // The factors (q - t)^p of a rational as text of C++ and OpenCL C (kernels/language.h). kernels/blocks.h includes it. A
 // factor is real + imaginary v, where v is the imaginary part of q - t.
 
-/// The squared length of the imaginary part; with the square of the real part in front, that of the quaternion.
+/// The squared length of the imaginary part.
 JULIA_SHARED Real imaginarySquare(Real b, Real c, Real d) { return b * b + c * c + d * d; }
 
 /// The squared length, summed in the order of the components.

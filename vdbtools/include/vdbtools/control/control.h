@@ -5,8 +5,8 @@
 /// Settings that may vary over space, as alpha and beta do ([SK23] 3.2, Fig. 7).
 ///
 /// A *source* is what a recipe specifies: a number, a ramp over the target's box, a grid in a file. It is made where
-/// the option is read, and knows its text and its files. *Bound* to a target it becomes a control: a function of world
-/// positions with bounds over boxes. A new kind of source takes one class behind ControlSource, one behind
+/// the option is read, and keeps the option's text and file names. *Bound* to a target it becomes a control: a function
+/// of world positions with bounds over boxes. A new kind of source takes one class behind ControlSource, one behind
 /// ControlField, and one line in parseControl().
 #pragma once
 

@@ -17,7 +17,7 @@ namespace vdbtools {
 
 struct ControlGrid {
   openvdb::FloatGrid::Ptr grid;  ///< every node of its box is active
-  FractalSpace space{};          ///< its world space is that of the grid
+  FractalSpace space{};          ///< its world space is the grid's
 };
 
 /// Grids by the names that a map gives them.

@@ -17,7 +17,6 @@ namespace vdbtools::explore {
 /// @param recipe   the given options; entries for hashes, flags that are off, and options without an effect on the
 ///                 outputs are left out
 /// @param table    the options of the command
-/// @param table    that of the command
 /// @param outputs  options and files, such as ("-o", "look.vdb")
 std::string fractalCommand(const Recipe& recipe, const OptionTable& table,
                            const std::vector<std::pair<std::string, std::string>>& outputs);

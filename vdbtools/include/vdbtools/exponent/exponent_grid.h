@@ -7,9 +7,9 @@
 /// It contains all that the dynamics needs to know about the target. E < 0 inside, > 0 outside; phi and beta are in
 /// units of fractal space.
 ///
-/// E matters only in the open shell interval (docs/design.md 2.4). The grid holds v, of which E is made where it is
-/// read, at every node that is read anywhere in a cell that touches that interval, and elsewhere a constant beyond the
-/// respective end.
+/// E matters only in the open shell interval (docs/design.md 2.4). The grid holds v, from which E is computed when it
+/// is read. A node has its true v if it is read for some place in a cell that touches that interval; elsewhere the grid
+/// holds a constant beyond the nearer end of the interval.
 #pragma once
 
 #include "vdbtools/base/fractal_space.h"

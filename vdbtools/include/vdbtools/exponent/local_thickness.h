@@ -31,7 +31,7 @@ inline constexpr double kLeastThickness = 0.75;
 struct LocalThickness {
   openvdb::FloatGrid::Ptr tau;     ///< world units, above 0; every node of a box around the shape is active
   double least = 0, greatest = 0;  ///< extremes of tau over the nodes inside the shape, world units
-  double leastAnywhere = 0;  ///< minimum of tau over the whole box, world units; its maximum is that of the inside
+  double leastAnywhere = 0;        ///< minimum of tau over the whole box, world units; the maximum is `greatest`
 };
 
 /// Computes the local thickness. A part that is thinner than a voxel, so that it contains no node, counts as
@@ -52,9 +52,9 @@ class ThicknessFinder {
   /// @throw Interrupted
   LocalThickness limitedTo(double slope, Monitor& monitor) const;
 
-  /// The thickness that all but @a share of the surface has at least, from 0 to 1. What lies beside a thick part counts
-  /// as thick, up to a distance of twice its radius: so edges, at which tau falls to 0, are not taken for thin parts.
-  /// Twice the radius that tau has there, world units; nullopt if no node is within a voxel of the surface.
+  /// The thickness, world units, below which only @a share (0 to 1) of the surface lies: twice the radius tau. The
+  /// surroundings of a thick part count as thick up to twice its radius away, so that edges, at which tau falls to 0,
+  /// are not taken for thin parts. nullopt if no node is within a voxel of the surface.
   /// @throw Interrupted
   std::optional<double> leastThickness(double share, Monitor& monitor) const;
 

@@ -13,7 +13,7 @@ namespace vdbtools::farm {
 
 struct SheetPlanOptions {
   std::string cells;                      ///< "sheet.json#3,7-9", or "sheet.json" for every cell without an error
-  Recipe given;                           ///< options that override those of the cells, such as a higher resolution
+  Recipe given;                           ///< options that override the cells' options, such as a higher resolution
   std::string name;                       ///< base name of the files; empty: named after the sheet
   std::vector<std::string> makes{"vdb"};  ///< any of "vdb" and the formats of meshes
 };

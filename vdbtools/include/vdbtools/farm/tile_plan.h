@@ -34,8 +34,8 @@ struct TileBox {
   double work = 0;  ///< the number of nodes of undecided boxes in it; where boxes overlap, nodes count several times
 };
 
-/// Cuts a box into at most @a count boxes, each of which holds about the same share of the boxes in @a work. There are
-/// fewer if fewer blocks contain work.
+/// Cuts a box into at most @a count boxes, each with about the same share of the boxes in @a work. There are fewer if
+/// fewer blocks contain work.
 std::vector<TileBox> cutEvenly(const openvdb::CoordBBox& domain, std::span<const openvdb::CoordBBox> work, int count);
 
 /// Returns those cubes of @a side nodes, clipped by the domain, that are less than @a margin nodes away from a box of

@@ -7,9 +7,9 @@
 /// islands are not crumbs: those with a node that the target decides by itself, such as a small part of the target, and
 /// those at the border of the known part of the target, because they may belong to something larger.
 ///
-/// Islands are those of the whole lattice, even if a box, a window or a layer of blocks shows only part of it: F is
-/// evaluated beyond, as far as a small piece reaches. Whether a node belongs to a crumb depends only on the nodes
-/// within kCrumb of it. Layers and tiles therefore drop the same crumbs as a single run.
+/// Islands are found on the whole lattice, even if a box, a window or a layer of blocks shows only part of it: F is
+/// also evaluated outside that part, as far as a small piece reaches. Whether a node belongs to a crumb depends only on
+/// the nodes within kCrumb of it. Layers and tiles therefore drop the same crumbs as a single run.
 #pragma once
 
 #include "vdbtools/base/grids.h"
@@ -35,7 +35,7 @@ struct CrumbRule {
   std::optional<openvdb::CoordBBox> counted{};
 };
 
-/// The dropped crumbs. The reports of tiles that share no node add up to that of the whole.
+/// The dropped crumbs. The reports of tiles that share no node add up to the report of a single run.
 struct CrumbReport {
   std::uint64_t crumbs = 0;  ///< crumbs whose first counted node of the domain, by (x, y, z), lies here
   std::uint64_t nodes = 0;   ///< counted nodes that were inside and no longer are

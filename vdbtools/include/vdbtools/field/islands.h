@@ -5,8 +5,8 @@
 /// An island is a set of inside nodes (F < 0) that are connected through the 6 neighbours of each node, never across a
 /// diagonal; the mesh connects them likewise. Marching cubes cuts off each run of inside corners on a cell's face
 /// separately, so a loop in a cell surrounds corners that are connected along the cell's edges and depends on them
-/// alone: the triangles of a cell are the union of those of each such group. Hence no triangle belongs to two islands,
-/// and dropping an island removes its whole surface and leaves every vertex and triangle of the others unchanged.
+/// alone: each such group has its own triangles in the cell. Hence no triangle belongs to two islands, and dropping an
+/// island removes its whole surface and leaves every vertex and triangle of the others unchanged.
 #pragma once
 
 #include "vdbtools/base/monitor.h"

@@ -55,7 +55,7 @@ struct FitTarget {
   julia::TriangleSurface surface;
 
   /// Signed distances, world units, each level a narrow band; the first has the cells' centres as nodes. Level l has
-  /// voxels of 2^l cells and is known within kFitBand of these from the surface. Its values are those of level l - 1
+  /// voxels of 2^l cells and is known up to kFitBand of its voxels from the surface. It has the values of level l - 1
   /// where that is known; farther out they come from fast sweeping. The last level is known in the whole cube of twice
   /// the side.
   std::vector<openvdb::FloatGrid::ConstPtr> levels;
@@ -82,7 +82,7 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor);
 /// @throw std::invalid_argument  bandWidth is not 1 to 5
 std::vector<julia::FitCell> adaptiveCells(const FitTarget& target, double bandWidth = 3);
 
-/// The resolution^3 equal cells of the cube ([Kim15] Eq. 18), x slowest; phi is that of distance().
+/// The resolution^3 equal cells of the cube ([Kim15] Eq. 18), x slowest, with phi from distance().
 /// @throw std::invalid_argument  resolution is not 1 to 1000
 std::vector<julia::FitCell> denseCells(const FitTarget& target, int resolution);
 

@@ -68,7 +68,7 @@ class Canvas {
   /// Draws the polyline with round corners and ends. A single point is a dot.
   void line(std::span<const CanvasPoint> points, const LineStyle& style);
 
-  /// Draws one line of text, the baseline of which runs through @a at.
+  /// Draws one line of text, whose baseline runs through @a at.
   void text(std::string_view utf8, const CanvasPoint& at, const TextStyle& style);
   /// The length of that text along its baseline.
   double textWidth(std::string_view utf8, const TextStyle& style) const;

@@ -27,8 +27,7 @@ inline constexpr int kMostSlicePixels = 32768;
 /// always right-handed, and world Y is up if it lies in the plane.
 class SlicePlane {
  public:
-  /// Frames @a box (world units) with square pixels, of which @a longestSide lie along the longer side of the
-  /// rectangle.
+  /// Frames @a box (world units) with square pixels, @a longestSide of them along the longer side.
   /// @throw std::invalid_argument  longestSide < 1, a position that is not finite, or a box without extent in the plane
   SlicePlane(Axis axis, double position, const openvdb::BBoxd& box, int longestSide);
 

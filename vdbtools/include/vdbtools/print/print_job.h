@@ -63,7 +63,7 @@ Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor
 /// place than that diameter. Edges and tips of 60 degrees or more, and roughness up to half of the minimum thickness,
 /// do not count as thin. ThinParts::Thicken adds balls of the minimum diameter along thinner parts, so hairs become
 /// round wires of that diameter; ThinParts::Drop removes thinner parts. Without a minimum thickness and a flat base the
-/// surface stays that of the mesh.
+/// surface of the mesh does not change.
 /// @param mesh  closed, every edge used by two triangles; see reportMesh()
 /// @throw std::invalid_argument  options out of their domain
 /// the mesh is not closed, or encloses no volume; or nothing is left of it

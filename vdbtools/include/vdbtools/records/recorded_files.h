@@ -40,9 +40,9 @@ struct FoundFiles {
 FoundFiles findRecordedFiles(const Recipe& recipe, const FileSearch& search, const MapRegistry& maps = builtInMaps());
 
 /// Adds to @a inputs the files that the recipes in them name, and those that the recipes in these files name, so that
-/// no output replaces the target of a fractal of which only the voxels are read. For each recorded name, all files at
-/// the places where findRecordedFiles() would look without folders are added, without checking their hashes. Inputs
-/// that cannot be read, or whose recipe is broken, are skipped here; the code that reads them reports the error.
+/// no output replaces the target of a fractal, even if only the fractal's voxels are read. For each recorded name, all
+/// files at the places where findRecordedFiles() would look without folders are added, without checking their hashes.
+/// Inputs that cannot be read, or whose recipe is broken, are skipped here; the code that reads them reports the error.
 InputFiles withRecordedFiles(InputFiles inputs, const MapRegistry& maps = builtInMaps());
 
 }  // namespace vdbtools

@@ -76,8 +76,8 @@ std::vector<openvdb::Vec3s> firstDirections(const julia::FieldEvaluator& evaluat
 /// Returns the smallest modulus among the iterates of each point, not counting the point itself.
 std::vector<double> trapRadii(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points);
 
-/// Returns for each point the mean number of steps of the orbits of those of the 26 points at the distance @a step
-/// around it that lie outside the set; 0 if all of them are inside. @param step  units of fractal space
+/// Returns for each point the mean number of steps of the orbits around it. Of the 26 points at the distance @a step
+/// from it, the ones outside the set count; 0 if there are none. @param step  units of fractal space
 std::vector<double> meanIterations(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points,
                                    double step);
 

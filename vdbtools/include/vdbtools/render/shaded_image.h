@@ -17,7 +17,7 @@ enum class Pass { Beauty, Normal, Depth, Albedo, Ao, Id, Trap };
 
 /// Pixels are stored row by row from the top left. A pass that was not requested is empty. Where nothing is visible,
 /// passes are 0 and the depth is kNoDepth. Where several rays of a pixel meet the surface, Albedo and Ao are means over
-/// these rays, and the other passes are those of the nearest.
+/// these rays, and the other passes belong to the nearest ray.
 struct ShadedImage {
   Image beauty;                 ///< linear RGB, premultiplied by the coverage where there is no background
   std::vector<float> coverage;  ///< alpha: the opaque fraction of each pixel

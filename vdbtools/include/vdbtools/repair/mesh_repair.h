@@ -38,7 +38,7 @@ struct RepairOptions {
 /// the gap.
 ///
 /// Without a gap, each loop of open edges is first capped by the surface of least area that spans it ([BS95]). Two
-/// kinds of loops are not capped: loops that run along each other, which are the two sides of a gap, and those of
+/// kinds of loops are not capped: loops that run along each other, which are the two sides of a gap, and loops of
 /// sheets, whose cap has more than 3/4 of the sheet's own area.
 /// @throw as meshToSdf(), where DataError means that no reasonable gap encloses a volume; Remedy::SolidifySheet says
 ///           that the mesh is open without being a solid with holes

@@ -11,8 +11,8 @@
 
 namespace vdbtools {
 
-/// The bytes of a VDB with the grids "phi", "exponent", "octave", "thickness" and those of controls, as far as the
-/// scene has them.
+/// The bytes of a VDB with the scene's grids: "phi", "exponent", "octave", "thickness" and the grids of controls, as
+/// far as the scene has them.
 std::string encodePreparedScene(const Scene& scene);
 
 /// Reads the scene back, without SceneShell::made. The target's mesh, the controls and their files are not opened.

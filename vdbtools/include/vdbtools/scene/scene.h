@@ -74,10 +74,10 @@ struct SceneShell {
 struct SceneField {
   std::shared_ptr<const MapInstance> map{};
   julia::OrbitOptions orbit{};
-  Arithmetic arithmetic = Arithmetic::Double;  ///< that of options.precision, or the one that was chosen
+  Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision requests, or chosen automatically
   std::unique_ptr<julia::FieldEvaluator> evaluator{};
   FractalSpace
-      space{};  ///< the space of the evaluator's points: that of Scene::placed, moved by the map's shift of the lattice
+      space{};  ///< the space of the evaluator's points: Scene::placed's, moved by the map's shift of the lattice
 };
 
 /// Everything that is prepared before the first node is evaluated.
@@ -162,8 +162,8 @@ class VersorSeeds {
   const Scene& mScene;
 };
 
-/// The nodes at which the scene is evaluated: those of the options' box, or of the whole set. With a @a window, only
-/// those of them that lie in it.
+/// The nodes at which the scene is evaluated: all nodes of the options' box, or of the whole set; with a @a window,
+/// only the nodes in it.
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window = {});
 
 /// How far 32-bit positions are rounded where coordinates are largest, voxels.

@@ -25,8 +25,8 @@ struct SolidMeasure {
   double shareOfLargest(std::size_t count) const;
 };
 
-/// Measures a mesh on its way to another sink. A part consists of triangles connected through shared points. The memory
-/// is that of the points which later triangles may still use, and of one number for each place where a part first
+/// Measures a mesh on its way to another sink. A part consists of triangles connected through shared points. The
+/// meter stores the points that later triangles may still use, and one number for each place where a part first
 /// appeared.
 class SolidMeter final : public MeshSink {
  public:

@@ -92,7 +92,7 @@ CappedMesh extractCappedMesh(const FractalField& field, const FieldSource& sourc
 Mesh withoutCaps(CappedMesh capped);
 
 /// Extracts the mesh of a field's window, with normals. At least two nodes away from where the window cuts the domain,
-/// the places, positions, normals and order are those of the whole mesh.
+/// the places, positions, normals and order are the same as in the whole mesh.
 PlacedMesh extractPlacedMesh(const FractalField& field, const FieldSource& source, const ExtractMeshOptions& options,
                              Monitor& monitor);
 

@@ -63,8 +63,8 @@ struct BandWidths {
 };
 
 /// The voxel size of the lattice on which a target of this box is surveyed, if its own distances are not coarser. The
-/// box has as many voxels as a cube of 128 on a side, but no more than 512 along its longest side: so parts that are
-/// thin beside its length are resolved in a wire or a tree, too.
+/// box has as many voxels as a cube of 128 on a side, but no more than 512 along its longest side, so that thin parts
+/// of a long target, such as a wire or a tree, are resolved too.
 double surveyVoxel(const openvdb::BBoxd& box);
 
 /// The voxels along the longest side that a mesh's distances have if nobody chose them, unless thin parts need more.
@@ -85,8 +85,8 @@ class TargetInput {
 
   /// The number of voxels along the longest side that was chosen for the distances, a multiple of 10; nullopt if it was
   /// given, or for a VDB. It depends on the target alone: a twentieth of the surface may belong to parts that are less
-  /// than 8 voxels thick, unless this would take more than 400,000 voxels on the surface; and there are
-  /// kUsualSdfResolution, or those of surveyVoxel(), at least.
+  /// than 8 voxels thick, unless this would take more than 400,000 voxels on the surface; it is at least
+  /// kUsualSdfResolution, or the resolution of surveyVoxel() if that is larger.
   /// @throw DataError, Interrupted
   virtual std::optional<double> chosenSdfResolution(Monitor& monitor) const = 0;
 

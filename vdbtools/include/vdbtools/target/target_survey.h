@@ -22,7 +22,7 @@ class TargetSurvey {
  public:
   /// @param phi   world units, negative inside, known over the whole inside and a few voxels outside
   /// @param mesh  the mesh that phi was made from, if it is known
-  /// @param thickness  that of phi, if it is known
+  /// @param thickness  finds the thickness of phi's inside, if it is known
   explicit TargetSurvey(openvdb::FloatGrid::ConstPtr phi, std::shared_ptr<const Mesh> mesh = nullptr,
                         std::optional<ThicknessFinder> thickness = {})
       : mPhi(std::move(phi)), mMesh(std::move(mesh)), mFinder(std::move(thickness)) {}
@@ -60,7 +60,7 @@ std::optional<SolidShape> shapeOfSolid(const Mesh& mesh, const MeshReport& repor
 /// The volume of phi < 0, world units cubed, exact up to a small part of the voxels that the surface cuts. Narrow bands
 /// suffice.
 double insideVolume(const openvdb::FloatGrid& phi);
-/// The volume of the part within a box, whose sides are parallel to those of the voxels.
+/// The volume of the part within a box, whose sides are parallel to the voxels' sides.
 double insideVolume(const openvdb::FloatGrid& phi, const openvdb::BBoxd& box);
 
 }  // namespace vdbtools

@@ -7,8 +7,8 @@
 /// cube, T a triangle, and n the unit vector to c from the point of T that is nearest to it: dist(p, T) >= dist(c, T) +
 /// n (p - c). For another triangle B, dist(p, B) minus this bound is convex, so its maximum over the cube is at a
 /// corner. If that maximum is below 0, T is not the nearest triangle of any point of the cube. The same holds for
-/// boxes, and thus for everything in them. A cube of nodes starts with the candidates of the cube of which it is an
-/// eighth.
+/// boxes, and thus for everything in them. A cube of nodes starts with the candidates of the cube twice its size
+/// that contains it.
 ///
 /// Floats choose the nearest triangle; its distance is then computed in doubles. Each lane computes what a scalar
 /// would, so the width of the vectors does not affect the result.
@@ -265,7 +265,7 @@ constexpr std::uint32_t kFew = 6;
 /// More candidates than this are ManyCandidates.
 constexpr std::uint32_t kMany = 4096;
 
-/// The centres of cubes of 4^3 nodes, and of those of 2^3 in them.
+/// The centres of cubes of 4^3 nodes, and of the cubes of 2^3 nodes in them.
 struct CubeCentres {
   unsigned first[3];  ///< the first node
   float about[3];

@@ -144,7 +144,7 @@ inline unsigned leastLane(Floats values) {
 
 /// Finds the vectors of candidates that may hold the triangle nearest to some point of the cube about @a about, at most
 /// @a far from it.
-/// @param packs  receives the packs of which that is so, @a chosen in number
+/// @param packs  receives the packs that may hold that triangle, @a chosen in number
 inline std::uint32_t chooseVectors(const PackBoxes* boxes, std::uint32_t count, const float about[3], float half,
                                    const CornerBounds& bounds, float far, std::uint32_t* list, std::uint32_t* packs,
                                    std::uint32_t& chosen) {
@@ -351,7 +351,7 @@ struct Spheres {
   }
 };
 
-/// A bound of rounding errors beside the radius of a sphere.
+/// A bound of the rounding errors of a test against a sphere of this radius.
 template <class V>
 inline V roundingOf(V radius) {
   return radius * 0.001F + 3e-5F;
@@ -568,7 +568,7 @@ class ManyCandidates {
     mGroups.triangle()[vector] = mOfFour.triangle()[first];
   }
 
-  /// Meets the first of the chosen triangles, of which there are whole vectors.
+  /// Meets the first of the chosen triangles, whose number is a multiple of the vector's width.
   void meet(std::uint32_t count, NodeSearch& search) const {
     for (std::uint32_t first = 0; first < count; first += kNodesWide) {
       const Triangle<NodeFloats> triangles = trianglesAt(mTree, mChosen + first, mMiddle);
