@@ -266,12 +266,9 @@ class Options(harness.CliTest):
 
     def options_of(self, command):
         """The names of a command's options, and what follows each: None for a flag."""
-        page = self.ok(*command.split(), "--describe", "man", data=True)
-        found = re.findall(r"\n\.TP\n\\fB(?:\\-\w\\fR, \\fB)?\\-\\-([^ ]*?)\\fR(?: \\fI(.*)\\fR)?\n", page)
-        options = {name.replace("\\-", "-"): argument.replace("\\-", "-") or None for name, argument in found}
-        self.assertIn("threads", options, f"the options of '{command}' cannot be read")
-        del options["help"]
-        return options
+        groups = json.loads(self.ok(*command.split(), "--describe", "json", data=True))["groups"]
+        return {option["name"]: option["argument"] or None for group in groups for option in group["options"]
+                if option["name"] != "help"}
 
     @staticmethod
     def value_for(command, words, name, argument):
