@@ -130,11 +130,11 @@ bool tellWhatIsFiner(const vdbtools::Scene& scene) {
 }
 
 /// Makes the files of one fractal and says so; of a frame briefly.
+/// @param options    those of run.found
 /// @param saysFiner  whether it is to say what is finer than the voxels; false once it has
-FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtools::SceneMaker& maker, bool& saysFiner,
-                          vdbtools::Monitor& progress) {
+FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const vdbtools::FractalOptions& options,
+                          vdbtools::SceneMaker& maker, bool& saysFiner, vdbtools::Monitor& progress) {
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
-  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(run.found);
   Outputs outputs(line, vdbtools::inputsOf(options), run.frame);
   vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), kGridExtensions) : nullptr;
   vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), vdbtools::kMeshExtensions) : nullptr;
@@ -216,7 +216,8 @@ int makeFrames(const CommandLine& line) {
   bool saysFiner = true;
   const SequenceCounts counts =
       makeFractals(line, recipes, kOutputOptions, [&](const FractalRun& run, vdbtools::Monitor& monitor) {
-        const FractalCounts made = makeFractal(line, run, maker, saysFiner, monitor);
+        const FractalCounts made =
+            makeFractal(line, run, vdbtools::parseFractalOptions(run.found), maker, saysFiner, monitor);
         total.evaluatedNodes += made.evaluatedNodes;
         total.triangles += made.triangles;
       });
@@ -237,7 +238,7 @@ int runFractal(const Arguments& arguments) {
   addSearchOption(line);
   line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
-  vdbtools::parseFractalOptions(line.recipe());
+  vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))
     throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
   nvdbValues(line);
@@ -246,9 +247,10 @@ int runFractal(const Arguments& arguments) {
   line.requireEffect(productsOf(line));
   vdbtools::SceneMaker maker;
   bool saysFiner = true;
-  makeFractal(line,
-              {line.recipe(), withFoundFiles(line, line.recipe(), line.configHolder()), parseFrame(line.text("frame"))},
-              maker, saysFiner, line.progress());
+  const FractalRun run{line.recipe(), withFoundFiles(line, line.recipe(), line.configHolder()),
+                       parseFrame(line.text("frame"))};
+  if (run.found != run.recipe) options = vdbtools::parseFractalOptions(run.found);
+  makeFractal(line, run, options, maker, saysFiner, line.progress());
   return kDone;
 }
 
