@@ -8,8 +8,10 @@
 namespace cli {
 
 void addUnitsOption(CommandLine& line) {
-  line.addOptions()("units", boost::program_options::value<std::string>()->value_name("mm|cm|m|in"),
-                    "the unit of the input's coordinates, as of 'fractal' (default: as the input says, or none)");
+  line.addOptions({{.name = "units",
+                    .argument = "mm|cm|m|in",
+                    .help = "the unit of the input's coordinates, as of 'fractal'",
+                    .defaultNote = "what the input says, or none"}});
 }
 
 std::optional<vdbtools::LengthUnit> unitOf(const CommandLine& line, const std::string& input) {

@@ -131,11 +131,11 @@ bool tellWhatIsFiner(const vdbtools::Scene& scene) {
 }
 
 /// Makes the files of one fractal and reports them, briefly for a frame.
+/// @param options    those of run.found
 /// @param saysFiner  whether to report what is finer than the voxels; set to false once that was reported
-FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, vdbtools::SceneMaker& maker, bool& saysFiner,
-                          vdbtools::Monitor& progress) {
+FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const vdbtools::FractalOptions& options,
+                          vdbtools::SceneMaker& maker, bool& saysFiner, vdbtools::Monitor& progress) {
   const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
-  const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(run.found);
   Outputs outputs(line, vdbtools::inputsOf(options), run.frame);
   vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), kGridExtensions) : nullptr;
   vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), vdbtools::kMeshExtensions) : nullptr;
@@ -217,7 +217,8 @@ int makeFrames(const CommandLine& line) {
   bool saysFiner = true;
   const SequenceCounts counts =
       makeFractals(line, recipes, kOutputOptions, [&](const FractalRun& run, vdbtools::Monitor& monitor) {
-        const FractalCounts made = makeFractal(line, run, maker, saysFiner, monitor);
+        const FractalCounts made =
+            makeFractal(line, run, vdbtools::parseFractalOptions(run.found), maker, saysFiner, monitor);
         total.evaluatedNodes += made.evaluatedNodes;
         total.triangles += made.triangles;
       });
@@ -238,7 +239,7 @@ int runFractalCommand(const Arguments& arguments) {
   addSearchOption(line);
   line.acceptStandardInput();
   if (!line.parse(arguments)) return kDone;
-  vdbtools::parseFractalOptions(line.recipe());
+  vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))
     throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
   nvdbValues(line);
@@ -247,9 +248,10 @@ int runFractalCommand(const Arguments& arguments) {
   line.requireEffect(productsOf(line));
   vdbtools::SceneMaker maker;
   bool saysFiner = true;
-  makeFractal(line,
-              {line.recipe(), withFoundFiles(line, line.recipe(), line.configHolder()), parseFrame(line.text("frame"))},
-              maker, saysFiner, line.progress());
+  const FractalRun run{line.recipe(), withFoundFiles(line, line.recipe(), line.configHolder()),
+                       parseFrame(line.text("frame"))};
+  if (run.found != run.recipe) options = vdbtools::parseFractalOptions(run.found);
+  makeFractal(line, run, options, maker, saysFiner, line.progress());
   return kDone;
 }
 

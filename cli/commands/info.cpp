@@ -13,7 +13,6 @@
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh_files/mesh_animation.h"
-#include "vdbtools/mesh_files/mesh_names.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/mesh_files/point_cloud.h"
@@ -86,9 +85,8 @@ void addParts(const vdbtools::Mesh& mesh, const std::string& path, Json& info) {
   if (mesh.pointsLeftOut > 0) info["points left out, not finite"] = mesh.pointsLeftOut;
   for (const vdbtools::MeshAnimation& animation : vdbtools::readAnimations(path))
     info["animations"].push_back({{"name", animation.name}, {"seconds", {animation.first, animation.last}}});
-  const vdbtools::MeshNames names = vdbtools::readMeshNames(path);
-  if (!names.materials.empty()) info["materials"] = names.materials;
-  if (!names.groups.empty()) info["groups"] = names.groups;
+  if (!mesh.faceNames.materials.empty()) info["materials"] = mesh.faceNames.materials;
+  if (!mesh.faceNames.groups.empty()) info["groups"] = mesh.faceNames.groups;
 }
 
 Json cloudInfo(const std::string& path) {

@@ -141,8 +141,8 @@ int runMesh(const Arguments& arguments) {
   addUnitsOption(line);
   addSearchOption(line);
   addFramesOption(line);
-  line.addOptions()("adaptivity", po::value<std::string>()->value_name("E"),
-                    "larger triangles where the surface is flat, as 'juliavdb fractal' has it, in voxels");
+  for (const vdbtools::OptionSpec& option : vdbtools::surfaceOptionSpecs())
+    if (option.name == "adaptivity") line.addOptions({option});
   if (!line.parse(arguments)) return kDone;
   const std::string input = line.text("vdb");
   if (input.empty()) throw std::invalid_argument("no VDB was given");

@@ -16,6 +16,7 @@
 #include "vdbtools/job/points_job.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
@@ -25,8 +26,8 @@
 #include <limits>
 #include <optional>
 #include <ostream>
-
-namespace po = boost::program_options;
+#include <string>
+#include <vector>
 
 namespace cli {
 namespace {
@@ -42,17 +43,36 @@ constexpr Usage kPointsUsage = {
     "  juliavdb points bunny.obj -o even.ply --spacing 0.05 --seed 7\n"
     "  juliavdb points grow.####.vdb -o points.####.ply --points 2000 --frames 1-2\n"};
 
+std::vector<vdbtools::OptionSpec> pointsOptionSpecs() {
+  return {
+      {.name = "output", .argument = "P.ply", .help = "the points to write: .ply or .vdb"},
+      {.name = "points", .argument = "N", .help = "how many points, exactly", .alternative = "spacing"},
+      {.name = "spacing",
+       .argument = "S",
+       .help = "the least distance between two points, in the units of the input",
+       .alternative = "points"},
+      {.name = "seed",
+       .argument = "N",
+       .defaultValue = std::to_string(vdbtools::PointsOptions().seed),
+       .help = "another number gives other points"},
+      {.name = "from-grid", .help = "use the voxels or triangles, even of a fractal"},
+      {.name = "grid", .argument = "NAME", .help = "which grid of a VDB to use, as with --from-grid"},
+  };
+}
+
 vdbtools::PointsOptions parsePoints(const CommandLine& line) {
+  static const vdbtools::OptionTable table(pointsOptionSpecs());
+  const vdbtools::RecipeReader reader(line.given(table), table);
   vdbtools::PointsOptions options;
-  if (line.has("points") == line.has("spacing")) throw std::invalid_argument("give either --points N or --spacing S");
-  if (line.has("points"))
-    options.count = line.integer<std::uint64_t>("points", 1, std::uint64_t{1} << 25);
+  if (reader.has("points") == reader.has("spacing"))
+    throw std::invalid_argument("give either --points N or --spacing S");
+  if (reader.has("points"))
+    options.count = reader.integer<std::uint64_t>("points", 1, std::uint64_t{1} << 25);
   else
-    options.spacing = line.number("spacing");
+    options.spacing = reader.number("spacing");
   if (options.spacing && !(*options.spacing > 0 && std::isfinite(*options.spacing)))
-    line.refuse("spacing", "a length above 0, in the units of the input");
-  if (line.has("seed"))
-    options.seed = line.integer<std::uint64_t>("seed", 0, std::numeric_limits<std::uint64_t>::max());
+    reader.refuse("spacing", "a length above 0, in the units of the input");
+  options.seed = reader.integer<std::uint64_t>("seed", 0, std::numeric_limits<std::uint64_t>::max());
   return options;
 }
 
@@ -169,13 +189,7 @@ FrameJob pointsJob(const CommandLine& line, const std::string& input, const vdbt
 int runPoints(const Arguments& arguments) {
   CommandLine line(kPointsUsage, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB or the mesh");
-  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("P.ply"), "the points to write: .ply or .vdb")("points", text("N"),
-                                                                                    "how many points, exactly")(
-      "spacing", text("S"), "the least distance between two points, in the units of the input")(
-      "seed", text("N"), "another number gives other points (default: 1)")(
-      "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
-                                                                     "which grid of a VDB to use, as with --from-grid");
+  line.addOptions(pointsOptionSpecs());
   line.addOptions(vdbtools::attributeOptionSpecs());
   addUnitsOption(line);
   addSearchOption(line);

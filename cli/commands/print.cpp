@@ -16,6 +16,7 @@
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/mesh_files/three_mf.h"
 #include "vdbtools/print/print_job.h"
+#include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/surface/grid_mesh.h"
@@ -23,9 +24,8 @@
 #include <cmath>
 #include <optional>
 #include <ostream>
-#include <sstream>
-
-namespace po = boost::program_options;
+#include <string>
+#include <vector>
 
 namespace cli {
 namespace {
@@ -42,31 +42,69 @@ constexpr Usage kPrintUsage = {
     "  juliavdb print bunny.obj -o true.3mf --units in\n"
     "  juliavdb print grow.####.vdb -o part.####.stl --longest-side 60 --frames 1-2\n"};
 
+std::vector<vdbtools::OptionSpec> printOptionSpecs() {
+  return {
+      {.name = "output", .argument = "PART.stl", .help = "the part to write: .stl, .3mf, .ply or .obj"},
+      {.name = "longest-side",
+       .argument = "MM",
+       .help = "the longest side of the part, in millimetres",
+       .defaultNote = "that of the input's unit"},
+      {.name = "min-thickness",
+       .argument = "MM",
+       .help = "the least thickness, in millimetres. Edges and tips of 60 degrees or more, and roughness of up to half "
+               "of it, do not count as thin"},
+      {.name = "thin",
+       .argument = "thicken|drop",
+       .defaultValue = "thicken",
+       .help = "what happens to parts that are thinner than --min-thickness"},
+      {.name = "flat-base", .argument = "MM", .help = "cut off so much below, for a flat base"},
+      {.name = "target-up",
+       .argument = "y|z",
+       .help = "which axis of the input points up",
+       .defaultNote = "what the input says, or else y"},
+      {.name = "islands",
+       .argument = "N",
+       .defaultValue = std::to_string(vdbtools::PrintOptions().islands),
+       .help = "how many pieces to keep, the largest by volume"},
+      {.name = "tolerance",
+       .argument = "MM",
+       .help = "make triangles larger where that moves the surface by no more than this"},
+      {.name = "resolution",
+       .argument = "N",
+       .help = "voxels along the longest side, for the thickness, the flat base and meshes that are not closed",
+       .defaultNote = "five to the least thickness, 250 to 600"},
+      {.name = "repair", .help = "close holes and gaps of an open mesh or a triangle soup"},
+      {.name = "from-grid", .help = "use the voxels or triangles, even of a fractal"},
+      {.name = "grid", .argument = "NAME", .help = "which grid of a VDB to use, as with --from-grid"},
+  };
+}
+
 vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtools::LengthUnit> unit) {
+  static const vdbtools::OptionTable table(printOptionSpecs());
+  const vdbtools::RecipeReader reader(line.given(table), table);
   vdbtools::PrintOptions options;
-  if (!line.has("longest-side") && !unit)
+  if (!reader.has("longest-side") && !unit)
     throw std::invalid_argument(
         "no size was given, and the unit of the input is not known; use --longest-side MM, or --units");
   const auto length = [&](const char* name) {
-    const double value = line.number(name);
-    if (!(value > 0 && std::isfinite(value))) line.refuse(name, "a length above 0, in millimetres");
+    const double value = reader.number(name);
+    if (!(value > 0 && std::isfinite(value))) reader.refuse(name, "a length above 0, in millimetres");
     return value;
   };
   constexpr double kMillimetres = 1000;  // in a metre
-  if (line.has("longest-side"))
+  if (reader.has("longest-side"))
     options.size = length("longest-side");
   else
     options.scale = kMillimetres * metresOf(*unit);
-  if (line.has("min-thickness")) options.minThickness = length("min-thickness");
-  if (line.has("thin")) {
-    options.thin = line.choice<vdbtools::ThinParts>(
-        "thin", {{"thicken", vdbtools::ThinParts::Thicken}, {"drop", vdbtools::ThinParts::Drop}});
-    if (!options.minThickness) throw std::invalid_argument("--thin can be used with --min-thickness only");
-  }
-  if (line.has("flat-base")) options.flatBase = length("flat-base");
-  if (line.has("islands")) options.islands = line.integer<std::uint64_t>("islands", 1, 1'000'000'000);
-  if (line.has("resolution")) options.resolution = line.integer<std::uint64_t>("resolution", 20, 4000);
-  if (line.has("tolerance")) options.tolerance = length("tolerance");
+  if (reader.has("min-thickness")) options.minThickness = length("min-thickness");
+  options.thin = reader.choice<vdbtools::ThinParts>(
+      "thin", {{"thicken", vdbtools::ThinParts::Thicken}, {"drop", vdbtools::ThinParts::Drop}});
+  if (line.has("thin") && !options.minThickness)
+    throw std::invalid_argument("--thin can be used with --min-thickness only");
+  if (reader.has("flat-base")) options.flatBase = length("flat-base");
+  options.islands = reader.integer<std::uint64_t>("islands", 1, 1'000'000'000);
+  if (reader.has("resolution")) options.resolution = reader.integer<std::uint64_t>("resolution", 20, 4000);
+  if (reader.has("tolerance")) options.tolerance = length("tolerance");
   return options;
 }
 
@@ -194,23 +232,7 @@ void makePart(const CommandLine& line, const std::string& input, const std::opti
 int runPrint(const Arguments& arguments) {
   CommandLine line(kPrintUsage, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB or the mesh");
-  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("PART.stl"), "the part to write: .stl, .3mf, .ply or .obj")(
-      "longest-side", text("MM"), "the longest side of the part, in millimetres (default: as in the input's unit)")(
-      "min-thickness", text("MM"),
-      "the least thickness, in millimetres. Edges and tips of 60 degrees or more, and roughness of up to half of it, "
-      "do "
-      "not count as thin")("thin", text("HOW"), "what happens to thinner parts: thicken or drop (default: thicken)")(
-      "flat-base", text("MM"), "cut off so much below, for a flat base")(
-      "target-up", text("y|z"), "which axis of the input points up (default: as the input says, or else y)")(
-      "islands", text("N"), "how many pieces to keep, the largest by volume (default: 1)")(
-      "tolerance", text("MM"), "make triangles larger where that moves the surface by no more than this")(
-      "resolution", text("N"),
-      "voxels along the longest side, for the thickness, the flat base and meshes that are not closed (default: five "
-      "to "
-      "the least thickness, 250 to 600)")("repair", "close holes and gaps of an open mesh or a triangle soup")(
-      "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),
-                                                                     "which grid of a VDB to use, as with --from-grid");
+  line.addOptions(printOptionSpecs());
   addUnitsOption(line);
   line.addFormerName("size", "longest-side");
   line.addFormerName("up", "target-up");

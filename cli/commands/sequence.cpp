@@ -23,8 +23,6 @@
 #include <stdexcept>
 #include <utility>
 
-namespace po = boost::program_options;
-
 namespace cli {
 namespace {
 
@@ -64,8 +62,9 @@ std::string copyText(int from) { return ": the same as frame " + std::to_string(
 }  // namespace
 
 void addFramesOption(CommandLine& line) {
-  line.addOptions()("frames", po::value<std::string>()->value_name("LIST"), kFramesHelp)(
-      "keep-going", "with --frames: make the other frames where one has failed, and fail at the end");
+  line.addOptions({{.name = "frames", .argument = "LIST", .help = kFramesHelp},
+                   {.name = "keep-going",
+                    .help = "with --frames: make the other frames where one has failed, and fail at the end"}});
 }
 
 void addSequenceOptions(CommandLine& line) {

@@ -9,6 +9,7 @@
 
 #include "vdbtools/files/frame_inputs.h"
 #include "vdbtools/files/frame_name.h"
+#include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/usd/usd_job.h"
 
@@ -18,8 +19,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-namespace po = boost::program_options;
 
 namespace cli {
 namespace {
@@ -33,6 +32,30 @@ constexpr Usage kUsdUsage = {
     "  juliavdb usd bunny.vdb -o bunny.usda --mesh bunny.ply\n"
     "  juliavdb usd grow.####.vdb --frames 1-3 -o grow.usda\n"
     "  juliavdb usd --mesh grow.####.ply --frames 1-3 --package grow.usdz\n"};
+
+std::vector<vdbtools::OptionSpec> usdOptionSpecs() {
+  return {
+      {.name = "output", .argument = "F.usda", .help = "the scene to write"},
+      {.name = "package",
+       .argument = "F.usdz",
+       .help = "the scene as one file, as phones and web pages take it; it holds meshes only"},
+      {.name = "mesh", .argument = "F.ply", .help = "a mesh to put into the scene"},
+      {.name = "frames", .argument = "LIST", .help = kFramesHelp},
+      {.name = "fps",
+       .argument = "N",
+       .defaultValue = vdbtools::numbersText({vdbtools::UsdOptions().framesPerSecond}),
+       .help = "frames a second"},
+      {.name = "meters-per-unit",
+       .argument = "M",
+       .help = "the length of a unit of the files, in metres, where it is none of those of --units",
+       .defaultNote = "that of their unit, or else 1",
+       .alternative = "units"},
+      {.name = "units",
+       .argument = "mm|cm|m|in",
+       .help = "the unit of files that do not name their own",
+       .alternative = "meters-per-unit"},
+  };
+}
 
 constexpr const char* kUsdInputs[] = {"input", "mesh"};
 
@@ -62,29 +85,22 @@ std::string countText(std::size_t count, const char* one, const char* several) {
 int runUsd(const Arguments& arguments) {
   CommandLine line(kUsdUsage, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB, or the name of a sequence");
-  const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("F.usda"), "the scene to write")(
-      "package", text("F.usdz"), "the scene as one file, as phones and web pages take it; it holds meshes only")(
-      "mesh", text("F.ply"), "a mesh to put into the scene")("frames", text("LIST"), kFramesHelp)(
-      "fps", text("N")->default_value("24"), "frames a second")("meters-per-unit", text("M"),
-                                                                "the length of a unit of the files, in metres, where "
-                                                                "it is none of those of --units (default: that of "
-                                                                "their unit, or else 1)")(
-      "units", text("mm|cm|m|in"), "the unit of files that do not name their own");
+  line.addOptions(usdOptionSpecs());
   if (!line.parse(arguments)) return kDone;
+  const vdbtools::OptionTable table(usdOptionSpecs());
+  const vdbtools::RecipeReader reader(line.given(table), table);
   vdbtools::UsdOptions options{.vdb = line.text("input"),
-                               .mesh = line.text("mesh"),
+                               .mesh = reader.text("mesh"),
                                .frames = framesOf(line, {}),
-                               .framesPerSecond = line.number("fps")};
+                               .framesPerSecond = reader.number("fps")};
   if (options.vdb.empty() && options.mesh.empty())
     throw std::invalid_argument("nothing was given for the scene; name a VDB, --mesh F.ply, or both");
-  if (line.has("meters-per-unit")) {
-    options.metersPerUnit = line.number("meters-per-unit");
-    if (!(*options.metersPerUnit > 0)) line.refuse("meters-per-unit", "above 0");
+  if (reader.has("meters-per-unit")) {
+    options.metersPerUnit = reader.positive("meters-per-unit");
     line.requireUse(false, {"units"}, "--meters-per-unit says the same; leave one of them out");
   }
-  if (line.has("units")) options.unit = vdbtools::parseLengthUnit(line.text("units"));
-  if (!(options.framesPerSecond > 0)) line.refuse("fps", "above 0");
+  if (reader.has("units")) options.unit = vdbtools::parseLengthUnit(reader.text("units"));
+  if (!(options.framesPerSecond > 0)) reader.refuse("fps", "above 0");
   line.requireUse(line.has("frames"), {"fps"}, "it is for a sequence; give --frames too, or leave it out");
   if (!line.has("output") && !line.has("package"))
     throw std::invalid_argument("no output was given; use -o F.usda, --package F.usdz, or both");

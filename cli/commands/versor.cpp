@@ -27,8 +27,6 @@
 #include <sstream>
 #include <variant>
 
-namespace po = boost::program_options;
-
 namespace cli {
 namespace {
 
@@ -55,6 +53,37 @@ constexpr Usage kVersorUsage = {
     "  juliavdb versor add fine.json moved.json -o both.json\n",
     nullptr,
     "list new inspect add scale translate"};
+
+constexpr std::string_view kPrefix = "versor-";
+
+/// What 'new' takes for random roots: the options of 'fractal' without their prefix.
+std::vector<vdbtools::OptionSpec> newRootsSpecs() {
+  std::vector<vdbtools::OptionSpec> specs;
+  for (vdbtools::OptionSpec& option : vdbtools::randomRootsOptions()) {
+    if (option.name == "texture-distance") continue;  // from a target, of which there is none
+    if (option.name == "texture-placement") option.argument = "box|cluster";
+    option.name.erase(0, kPrefix.size());
+    for (std::size_t at; (at = option.help.find("--texture-")) != std::string::npos;)
+      option.help.replace(at, std::string_view("--texture-").size(), "--");
+    option.help.insert(0, "new: ");
+    specs.push_back(std::move(option));
+  }
+  return specs;
+}
+
+std::vector<vdbtools::OptionSpec> versorOptionSpecs() {
+  std::vector<vdbtools::OptionSpec> specs = newRootsSpecs();
+  specs.insert(specs.begin(), {.name = "output", .argument = "F.json", .help = "the file to write"});
+  specs.push_back({.name = "box",
+                   .argument = "X0,Y0,Z0,X1,Y1,Z1",
+                   .help = "new: the box in which the roots are placed",
+                   .defaultNote = "the unit cube about 0"});
+  specs.push_back({.name = "texture",
+                   .argument = "NAME",
+                   .help = "new: a texture of 'versor list', over a cube about 0, instead of random roots"});
+  specs.push_back({.name = "json", .help = "list: write names, descriptions and numbers of roots as JSON"});
+  return specs;
+}
 
 const std::vector<std::string> kActions{"list", "new", "inspect", "add", "scale", "translate"};
 
@@ -141,7 +170,8 @@ void requireAction(const CommandLine& line, const std::string& action) {
                     "it is for 'versor " + list + "'; leave it out");
   };
   isFor({"output"}, {"new", "add", "scale", "translate"});
-  isFor({"seed", "roots", "powers", "integer", "placement", "box", "centre", "radius", "texture"}, {"new"});
+  for (const vdbtools::OptionSpec& option : newRootsSpecs()) isFor({option.name.c_str()}, {"new"});
+  isFor({"box", "texture"}, {"new"});
   isFor({"json"}, {"list"});
 }
 
@@ -159,9 +189,11 @@ void writeWaves(CommandLine& line, const julia::WaveTexture& waves, const std::s
 /// Writes a texture of the shelf: its waves, or its roots as placed in a box with the dynamics' origin at 0.
 void writeTexture(CommandLine& line) {
   const std::string name = line.text("texture");
-  for (const char* option : {"roots", "powers", "integer", "placement", "box", "centre", "radius"})
-    if (line.has(option))
-      throw std::invalid_argument("--" + std::string(option) + " belongs to random roots, and --texture " + name +
+  std::vector<vdbtools::OptionSpec> ofRoots = newRootsSpecs();
+  ofRoots.push_back({.name = "box"});
+  for (const vdbtools::OptionSpec& option : ofRoots)
+    if (option.name != "seed" && line.has(option.name))
+      throw std::invalid_argument("--" + option.name + " belongs to random roots, and --texture " + name +
                                   " has its own; leave one of them out");
   const vdbtools::Texture* texture = vdbtools::findTexture(name);
   if (!texture) throw std::invalid_argument("there is no texture '" + name + "'; 'juliavdb versor list' shows them");
@@ -182,19 +214,17 @@ vdbtools::RationalFile newVersor(const CommandLine& line) {
   const bool cluster = line.text("placement") == "cluster";
   line.requireUse(cluster, {"centre", "radius"}, "it goes with --placement cluster; give that too, or leave it out");
   line.requireUse(!cluster, {"box"}, "it is for --placement box, and the roots are placed in a cluster; leave it out");
-  constexpr const char* kPrefix = "versor-";
-  // The same options as those of 'fractal', under the same rules, without their prefix.
+  // Read by the rules of 'fractal'.
   const vdbtools::OptionTable table(vdbtools::randomRootsOptions());
   vdbtools::Recipe recipe;
   for (const std::string& option : table.names()) {
-    const std::string name = option.substr(std::string_view(kPrefix).size());
+    const std::string name = option.substr(kPrefix.size());
     if (!line.has(name)) continue;
-    const std::string value = line.text(name);
-    recipe[option] = value.empty() ? "true" : value;  // a flag has no text
+    recipe[option] = line.text(name);
   }
   std::string note = "juliavdb versor new";
   for (const auto& [option, value] : recipe)
-    note += " --" + option.substr(std::string_view(kPrefix).size()) + (value == "true" ? "" : " " + value);
+    note += " --" + option.substr(kPrefix.size()) + (value == "true" ? "" : " " + value);
   julia::RandomRootsOptions options = vdbtools::parseRandomRoots(vdbtools::RecipeReader(recipe, table));
   if (line.has("box")) {
     // Not parseBox(): roots may be placed on a plane or a line.
@@ -211,19 +241,7 @@ vdbtools::RationalFile newVersor(const CommandLine& line) {
 int runVersor(const Arguments& arguments) {
   CommandLine line(kVersorUsage, vdbtools::OptionTable());
   line.addPositional("words", -1, "what to do, and with which files");
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.json"), "the file to write")(
-      "seed", po::value<std::string>()->value_name("S"), "new: the seed; every number is another texture (default 1)")(
-      "roots", po::value<std::string>()->value_name("N"), "new: the number of roots (default 10)")(
-      "powers", po::value<std::string>()->value_name("MIN:MAX"), "new: the range of their powers (default 2:11)")(
-      "integer", "new: whole powers only")("placement", po::value<std::string>()->value_name("box|cluster"),
-                                           "new: where to place them (default box)")(
-      "box", po::value<std::string>()->value_name("X0,Y0,Z0,X1,Y1,Z1"),
-      "new: the box (default: the unit cube about 0)")("centre", po::value<std::string>()->value_name("X,Y,Z"),
-                                                       "new: the centre of the cluster (default 0,0,0)")(
-      "radius", po::value<std::string>()->value_name("R"), "new: the radius of the cluster (default 0.1)")(
-      "texture", po::value<std::string>()->value_name("NAME"),
-      "new: a texture of 'versor list', over a cube about 0, instead of random roots")(
-      "json", "list: write names, descriptions and numbers of roots as JSON");
+  line.addOptions(versorOptionSpecs());
   if (!line.parse(arguments)) return kDone;
   const std::vector<std::string> words = line.texts("words");
   const std::string action = words.empty() ? "" : words.front();

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The manual pages and the completion: that they are well formed, and that they say what --help says."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -62,6 +63,58 @@ class Pages(harness.CliTest):
         self.refused(USAGE, "man", "nothing", mentions="nothing")
         self.refused(USAGE, "man", "fractal", "-o", "x")
         self.refused(USAGE, "fractal", "--describe", "poem", mentions="poem")
+
+
+class Description(harness.CliTest):
+    """What the program says of its options to other programs."""
+
+    def test_it_has_the_options_of_the_manual_page(self):
+        self.ok("man", "-o", "man1")
+        for page in sorted(self.path("man1").iterdir()):
+            words = page.stem.split("-")[1:]
+            if not words:
+                continue
+            with self.subTest(page=page.name):
+                said = json.loads(self.ok(*words, "--describe", "json", data=True))
+                self.assertEqual(said["command"], " ".join(words))
+                shown = re.findall(r"^\.SS (.*)$", page.read_text(), re.MULTILINE)
+                self.assertEqual([group["heading"] for group in said["groups"]], shown)
+                options = [option for group in said["groups"] for option in group["options"]]
+                written = re.findall(r"^\\fB(?:\\-(\w)\\fR, \\fB)?\\-\\-([a-z0-9\\-]+)\\fR(?: \\fI(.*)\\fR)?$",
+                                     page.read_text(), re.MULTILINE)
+                self.assertEqual([(option.get("letter", ""), option["name"], option["argument"]) for option in options],
+                                 [tuple(part.replace("\\-", "-").replace("\\(aq", "'") for part in parts)
+                                  for parts in written])
+                for option in options:
+                    self.assertTrue(option["help"], option["name"])
+
+    def test_a_default_that_is_typed_changes_nothing(self):
+        """Of the commands that say theirs in tables."""
+        self.write("s.obj", harness.obj(harness.lumpy()))
+        self.write("t.ply", harness.ply_text(harness.torus()))
+        self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 16)
+        runs = {"print": (("s.vdb", "-o", "a.ply", "--longest-side", 60, "--min-thickness", 9, "--resolution", 20), "a.ply"),
+                "points": (("s.obj", "-o", "a.ply", "--points", 50), "a.ply"),
+                "usd": (("s.vdb", "--frames", "1-2", "-o", "a.usda"), "a.usda"),
+                "versor": (("new", "-o", "a.json"), "a.json")}
+        for command, (words, output) in runs.items():
+            self.ok(command, *words)
+            made = self.bytes(output)
+            said = json.loads(self.ok(command, "--describe", "json", data=True))
+            defaults = {option["name"]: option["default"] for group in said["groups"] for option in group["options"]
+                        if "default" in option}
+            self.assertTrue(defaults, command)
+            for name, value in defaults.items():
+                if command == "versor" and name in ("centre", "radius"):
+                    continue  # of a cluster
+                with self.subTest(command=command, option=name):
+                    self.ok(command, *words, f"--{name}={value}")
+                    self.assertEqual(self.without_note(self.bytes(output)), self.without_note(made))
+
+    @staticmethod
+    def without_note(data):
+        """A file without the command that made it."""
+        return re.sub(rb'\n *"note": [^\n]*\n', b"\n", data)
 
 
 class Completion(harness.CliTest):

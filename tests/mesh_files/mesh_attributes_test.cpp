@@ -75,6 +75,9 @@ TEST(MeshAttributes, MaterialsAndGroupsOfObjAreSharesOfFaces) {
   for (std::size_t p = 0; p < 6; ++p)
     EXPECT_FLOAT_EQ(valuesOf(mesh, "group_left")[p] + valuesOf(mesh, "group_right")[p], 1);
   EXPECT_EQ(valuesOf(mesh, "material_stone"), valuesOf(mesh, "group_left"));
+  EXPECT_EQ(mesh.faceNames.materials, (std::vector<std::string>{"stone", "moss:1"}));
+  EXPECT_EQ(mesh.faceNames.groups, (std::vector<std::string>{"left", "right"}));
+  EXPECT_EQ(weldMesh(mesh).faceNames.materials, mesh.faceNames.materials);
   EXPECT_EQ(valuesOf(mesh, "material_moss_1"), valuesOf(mesh, "group_right"));
   // What all faces share says nothing.
   expectNone(readText("b.obj", "g all\nusemtl one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));

@@ -116,7 +116,7 @@ class Settings(bpy.types.PropertyGroup):
     material: BoolProperty(
         name="Material", default=True,
         description="Give a new mesh a material that shows its colours, or a plain one if the object has none")
-    # Of the program, Y is up. In Blender, that is what stands upright in the viewport.
+    # The program takes Y for up by default. In Blender Z is up, so the default differs.
     up: EnumProperty(
         name="Up", default="Z", description="Which axis of the object the texture takes for upright",
         items=[("Z", "Z", "The vertical axis of Blender"), ("Y", "Y", "The vertical axis of many other programs")])

@@ -112,6 +112,7 @@ Mesh weldMesh(const Mesh& mesh) {
   const bool hasUvs = !mesh.cornerUvs.empty();
   Mesh result;
   result.pointsLeftOut = mesh.pointsLeftOut;
+  result.faceNames = mesh.faceNames;
   for (const VertexAttribute& attribute : mesh.attributes) result.attributes.push_back({attribute.name, {}});
   PositionTable places(result.points, mesh.points.size());
   for (std::size_t p = 0; p < mesh.points.size(); ++p) {

@@ -94,6 +94,19 @@ void FaceNames::addFace() {
   ++mRuns.back().faces;
 }
 
+FaceNameList FaceNames::list() const { return {usedOf(mMaterials, &Run::material), usedOf(mGroups, &Run::group)}; }
+
+std::vector<std::string> FaceNames::usedOf(const Names& names, std::uint32_t Run::*which) const {
+  std::vector<std::string> used;
+  std::vector<bool> isUsed(names.list.size());
+  for (const Run& run : mRuns) {
+    if (run.*which == kNone || isUsed[run.*which]) continue;
+    isUsed[run.*which] = true;
+    used.push_back(names.list[run.*which]);
+  }
+  return used;
+}
+
 void FaceNames::addAttributes(const std::filesystem::path& file, const Polygons& polygons, Mesh& mesh) const {
   if (mRuns.empty() || (mMaterials.list.empty() && mGroups.list.empty())) return;
   std::vector<float> facesAt(mesh.points.size());

@@ -32,6 +32,9 @@ class FaceNames {
   /// Notes that the next face has the current names.
   void addFace();
 
+  /// Those that a face has.
+  FaceNameList list() const;
+
   /// Adds attributes to a mesh with all its points: "material_NAME" and "group_NAME", the share of the faces at a point
   /// that have this name, where faces differ in it; and red, green and blue, the mean colour of the faces there, if the
   /// mesh has none and a library in the folder of @a file has colours. Faces without a colour are white.
@@ -48,6 +51,7 @@ class FaceNames {
     std::uint32_t material, group;
     std::size_t faces;
   };
+  std::vector<std::string> usedOf(const Names& names, std::uint32_t Run::*which) const;
   static std::uint32_t numberOf(Names& names, std::string_view name);
   void addShares(const std::string& prefix, const Names& names, std::uint32_t Run::*which, const Polygons& polygons,
                  const std::vector<float>& facesAt, Mesh& mesh) const;

@@ -112,6 +112,7 @@ class ObjReader {
     requireUvs();
     for (VertexAttribute& channel : mMesh.attributes) channel.values.resize(mMesh.points.size(), kNoColour);
     mNames.addAttributes(mPath, mPolygons, mMesh);
+    mMesh.faceNames = mNames.list();
     mPolygons.triangulate(mMesh, mUvs);
     constexpr std::uint64_t kFirst = 1;
     leaveOutUnusable(mPath, mMesh, kFirst);

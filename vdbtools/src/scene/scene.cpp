@@ -279,7 +279,7 @@ BBoxd setTarget(Scene& scene, SharedTarget& shared, Monitor& monitor) {
   target.volume = insideVolume(*target.distances.phi);
   scene.metadata.merge(targetMetadata(target.distances));
   if (const std::shared_ptr<const Mesh> mesh = shared.input().mesh()) {
-    target.parts = partsOf(*mesh, options.target->mesh ? std::filesystem::path() : options.target->input.path);
+    target.parts = partsOf(*mesh);
     if (mesh->pointsLeftOut > 0) scene.metadata[kPointsLeftOut] = std::to_string(mesh->pointsLeftOut);
   }
   return shape;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/target_parts.h"
 
-#include "vdbtools/mesh_files/mesh_names.h"
-
 #include <algorithm>
 #include <set>
 
@@ -33,9 +31,10 @@ std::string counted(std::size_t count, const std::string& what) {
 
 }  // namespace
 
-TargetParts partsOf(const Mesh& mesh, const std::filesystem::path& file) {
-  const MeshNames names = file.empty() ? MeshNames() : readMeshNames(file);
-  TargetParts parts{.uvs = !mesh.cornerUvs.empty(), .materials = names.materials.size(), .groups = names.groups.size()};
+TargetParts partsOf(const Mesh& mesh) {
+  TargetParts parts{.uvs = !mesh.cornerUvs.empty(),
+                    .materials = mesh.faceNames.materials.size(),
+                    .groups = mesh.faceNames.groups.size()};
   for (const VertexAttribute& attribute : mesh.attributes) parts.attributes.push_back(attribute.name);
   return parts;
 }

@@ -25,6 +25,12 @@ struct VertexAttribute {
   std::vector<float> values;  ///< one value per point; may be not finite
 };
 
+/// The names of faces, each once, in the order in which faces first have it.
+struct FaceNameList {
+  std::vector<std::string> materials{};
+  std::vector<std::string> groups{};  ///< also the names of objects
+};
+
 struct Mesh {
   std::vector<openvdb::Vec3d> points;     ///< world units
   std::vector<openvdb::Vec3I> triangles;  ///< indices into points
@@ -36,6 +42,7 @@ struct Mesh {
   std::vector<openvdb::Vec2s> cornerUvs{};
   /// The points of its file that a reader left out, because their coordinates are not finite and no triangle uses them.
   std::uint64_t pointsLeftOut = 0;
+  FaceNameList faceNames{};  ///< those of its file, which is an OBJ
 };
 
 /// Properties of a mesh. Edges are identified by the indices of their points, so in a soup whose triangles share no
