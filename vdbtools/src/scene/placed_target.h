@@ -45,7 +45,8 @@ struct PlacedTarget {
 /// what is asked for alone, and not on what was asked for before.
 class SharedTarget {
  public:
-  SharedTarget(const TargetOptions& options, const TargetOpener& open) : mOptions(options), mInput(open(options)) {}
+  SharedTarget(const TargetOptions& options, const TargetOpener& open, Monitor& monitor)
+      : mOptions(options), mInput(open(options, monitor)) {}
 
   const TargetOptions& options() const { return mOptions; }
   const TargetInput& input() const { return *mInput; }

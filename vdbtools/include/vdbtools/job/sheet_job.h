@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -64,9 +65,10 @@ struct LongWork {
 };
 
 struct SheetPage {
-  Sheet sheet;           ///< with the errors of all cells that failed
-  std::string picture;   ///< the page, as a PNG
-  std::size_t kept = 0;  ///< how many cells were taken from the folder
+  Sheet sheet;                                               ///< with the errors of all cells that failed
+  std::string picture;                                       ///< the page, as a PNG
+  std::size_t kept = 0;                                      ///< how many cells were taken from the folder
+  std::vector<std::map<std::string, std::string>> metadata;  ///< of the scenes of the others
 };
 
 /// Makes the pictures and puts them on a page. A cell that cannot be made, or whose picture shows nothing of its set,

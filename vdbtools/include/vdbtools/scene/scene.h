@@ -110,7 +110,7 @@ struct Scene {
 };
 
 /// Opens the target that options name.
-using TargetOpener = std::function<std::unique_ptr<const TargetInput>(const TargetOptions&)>;
+using TargetOpener = std::function<std::unique_ptr<const TargetInput>(const TargetOptions&, Monitor& monitor)>;
 
 /// Makes scenes one after another; what they share of a target is made once.
 class SceneMaker {
