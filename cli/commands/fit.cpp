@@ -6,6 +6,7 @@
 #include "output.h"
 #include "report.h"
 #include "shape_unit.h"
+#include "target_text.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/fit/fit_job.h"
@@ -99,6 +100,7 @@ int runFit(const Arguments& arguments) {
   if (fit.monopoles > 0)
     report().text() << "electrostatics: " << fit.monopoles << " monopoles, capacitance "
                     << number(fit.charge.capacitance) << '\n';
+  tellTarget(fit.target.facts);
   return kDone;
 }
 

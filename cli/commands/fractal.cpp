@@ -182,7 +182,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const 
     if (const std::vector<std::string> unused = vdbtools::unusedParts(scene.target->parts, line.recipe());
         !unused.empty())
       report().text() << "not used of the target: " << joined(unused) << '\n';
-  if (!isFrame) report().text() << targetText(scene.metadata);
+  tellTarget(scene.metadata);
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";

@@ -6,6 +6,7 @@
 #include "options.h"
 #include "products.h"
 #include "report.h"
+#include "target_text.h"
 
 #include "vdbtools/farm/estimate.h"
 #include "vdbtools/farm/plan_folder.h"
@@ -134,6 +135,7 @@ int runPlanTiles(const Arguments& arguments) {
                     << "with something to do can be cut into\n";
   if (!plan.chosenResolution.empty()) report().text() << plan.chosenResolution << '\n';
   if (!plan.finerThanVoxels.empty()) report().text() << "warning: " << plan.finerThanVoxels << '\n';
+  tellTarget(plan.manifest.metadata);
   const int code = finishPlan(folder, plan.manifest);
   if (wantsEstimate) tellEstimate(vdbtools::farm::estimatePlan(plan.work, makeSample(line, folder, plan, sampleSize)));
   return code;

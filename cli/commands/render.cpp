@@ -8,6 +8,7 @@
 #include "report.h"
 #include "scene_recipe.h"
 #include "sequence.h"
+#include "target_text.h"
 
 #include "vdbtools/farm/frame_plan.h"
 #include "vdbtools/files/file_bytes.h"
@@ -217,7 +218,8 @@ Layers layersOf(const vdbtools::RecipeReader& reader, const std::string& format,
 /// A finished picture.
 struct Picture {
   vdbtools::ShadedImage image;
-  std::string more;  ///< what the summary says after the picture's size
+  std::string more;                               ///< what the summary says after the picture's size
+  std::map<std::string, std::string> metadata{};  ///< of the scene, if the picture is of one
 };
 
 /// Makes the picture of a shot. @param shot  its index in the list
@@ -274,6 +276,7 @@ class Shooting {
     report().count("height", picture.image.beauty.height);
     report().text() << "wrote " << outputs.names() << ": " << picture.image.beauty.width << " x "
                     << picture.image.beauty.height << picture.more << '\n';
+    tellTarget(picture.metadata);
   }
 
   const CommandLine& mLine;
@@ -387,7 +390,7 @@ int renderMap(const CommandLine& line) {
     more << ", " << image.rays << " rays, "
          << static_cast<std::uint64_t>(static_cast<double>(image.rays) / seconds.count()) << " a second, "
          << image.evaluations << " samples evaluated";
-    return Picture{std::move(image), more.str()};
+    return Picture{std::move(image), more.str(), stage->scene.metadata};
   });
 }
 

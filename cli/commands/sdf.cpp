@@ -72,7 +72,7 @@ void writeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const Fra
     report().text() << "repaired: gaps up to " << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)
                     << " closed, the surface moved by at most "
                     << vdbtools::shortText(*result.moved, vdbtools::Rounding::Up) << '\n';
-  report().text() << targetText(result.metadata);
+  tellTarget(result.metadata);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "output.h"
 #include "report.h"
 #include "scene_recipe.h"
+#include "target_text.h"
 
 #include "vdbtools/job/sheet_job.h"
 #include "vdbtools/records/recorded_recipe.h"
@@ -143,6 +144,7 @@ int runSheet(const Arguments& arguments) {
   tellFiner(cells);
   report().text() << "wrote " << outputs.names() << ": " << made.sheet.rows << " x " << made.sheet.columns << " cells, "
                   << made.reusedCells << " of " << cells.size() << " cells kept\n";
+  for (const auto& metadata : made.metadata) tellTarget(metadata);
   return kDone;
 }
 

@@ -11,6 +11,7 @@
 #include "slice_plane.h"
 #include "slice_samples.h"
 #include "slice_stack.h"
+#include "target_text.h"
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
@@ -203,6 +204,7 @@ void writeStack(const CommandLine& line, const std::optional<vdbtools::FractalOp
                [&](const SlicePlane& plane, vdbtools::Monitor& progress) {
                  return layerOfScene(scene, field, plane, stack, progress);
                });
+  tellTarget(scene.metadata);
 }
 
 /// Refuses options that do not apply to the grid of a VDB, whose voxels are shown unchanged.
@@ -267,15 +269,17 @@ int runSlice(const Arguments& arguments) {
     if (options) job.inputs = vdbtools::inputsOf(*options);
     job.make = [&, name, options](const FrameRun& run) {
       std::ostream& file = run.outputs.add("output", line.text("output"), ".png .exr").stream();
-      const vdbtools::Image image = options ? sliceOfScene(vdbtools::makeScene(*options, run.monitor), field, placement,
-                                                           range, arrows, run.monitor)
-                                            : sliceOfGrid(name, line.text("grid"), placement, range, run.monitor);
+      std::optional<Scene> scene;
+      if (options) scene = vdbtools::makeScene(*options, run.monitor);
+      const vdbtools::Image image = scene ? sliceOfScene(*scene, field, placement, range, arrows, run.monitor)
+                                          : sliceOfGrid(name, line.text("grid"), placement, range, run.monitor);
       run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
       file << vdbtools::encodeImage(image, formatOf(line.text("output"), ".png"));
       run.outputs.commit(run.isLast);
       report().count("width", image.width);
       report().count("height", image.height);
       report().text() << "wrote " << run.outputs.names() << ": " << image.width << " x " << image.height << '\n';
+      if (scene) tellTarget(scene->metadata);
     };
     return job;
   });

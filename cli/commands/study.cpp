@@ -8,6 +8,7 @@
 #include "scene_recipe.h"
 #include "slice_plane.h"
 #include "study_dimension.h"
+#include "target_text.h"
 
 #include "vdbtools/base/number_text.h"
 #include "vdbtools/maps/texture_shelf.h"
@@ -92,6 +93,7 @@ int runStudy(const Arguments& arguments) {
                     << vdbtools::shortText(result.undecided->second);
   if (!result.originInside) report().text() << ", the dynamics' origin lies outside the target";
   report().text() << '\n';
+  tellTarget(scene.metadata);
   return kDone;
 }
 

@@ -3,6 +3,7 @@
 every command that takes one."""
 
 import math
+import shutil
 import unittest
 
 import pyopenvdb
@@ -11,6 +12,7 @@ import harness
 from harness import BAD_DATA, USAGE
 
 LOW = ("--resolution", 32, "--sdf-resolution", 48)
+FARM = "farm"
 
 
 def terrain(squares=16, hole=0.0):
@@ -303,7 +305,8 @@ class Volumes(harness.CliTest):
 
     def test_other_commands_take_them(self):
         self.fog()
-        self.ok("fit", "fog.vdb", "--iso", 1.5, "-o", "x.json", "--resolution", 24, "--roots", 4)
+        said = self.ok("fit", "fog.vdb", "-o", "x.json", "--resolution", 24, "--roots", 4)
+        self.assertEqual(said.count(self.FOG_SAID), 1)
         self.ok("slice", "fog.vdb", "--iso", 1.5, "-o", "x.png", "--size", 20)
         self.ok("render", "--field", "fog.vdb", "--iso", 1.5, "-o", "y.png", "--size", "20x20")
         self.ok("study", "fog.vdb", "--iso", 1.5, "-o", "z.png", "--size", 20, "--versors", 2)
@@ -316,6 +319,32 @@ def x3d(points, faces):
     places = " ".join(map(str, (x for point in points for x in point)))
     return (f'<?xml version="1.0" encoding="UTF-8"?><X3D version="3.3"><Scene><Shape><IndexedFaceSet coordIndex="{corners}">'
             f'<Coordinate point="{places}"/></IndexedFaceSet></Shape></Scene></X3D>')
+
+
+class WhatIsSaid(harness.CliTest):
+    """Every command that takes a target says how it was read, in one line, however many pictures it makes of it."""
+
+    def check(self, target, lines, commands):
+        for command in commands:
+            with self.subTest(command=command):
+                said = self.ok(*(target if word == "TARGET" else word for word in command))
+                for line in lines:
+                    self.assertEqual(said.count(line), 1, said)
+
+    def test_of_a_mesh(self):
+        self.write("h.obj", harness.obj(shell(1, -0.6)) + "v nan 0 0\n")
+        low = ("--resolution", 24, "--sdf-resolution", 24, "--detail", 0.3)
+        self.check("h.obj", ("1 hollow of the target is filled; --hollows keep makes it a cavity\n",
+                             "1 point of the target is left out"), (
+            ("fractal", "TARGET", "-o", "f.####.vdb", "--frames", "1-2", *low),
+            ("sdf", "TARGET", "-o", "d.vdb", "--resolution", 24),
+            ("fit", "TARGET", "-o", "f.json", "--roots", 12, "--resolution", 24),
+            ("slice", "TARGET", "-o", "s.png", "--size", 20, *low[2:]),
+            ("slice", "TARGET", "-o", "l.####.png", "--stack", "--size", 20, *low[2:]),
+            ("study", "TARGET", "-o", "c.png", "--size", 20, "--versors", 2, *low[2:]),
+            ("sheet", "TARGET", "-o", "p.png", "--vary", "alpha=20,30", "--size", "40x40", *low[2:4]),
+            ("render", "TARGET", "--field", "-o", "r.####.png", "--frames", "1-2", "--turn", 360, "--size", "20x20", *low[2:]),
+            ("plan", "tiles", "TARGET", "-o", "farm", *low)))
 
 
 class Imports(harness.CliTest):

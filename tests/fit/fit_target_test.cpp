@@ -194,6 +194,36 @@ TEST(FitTarget, VdbIsLikeItsMesh) {
     ASSERT_NEAR(target.distance(cell.x), cell.phi, 0.1 * target.cell + 0.05 * std::abs(cell.phi));
 }
 
+TEST(FitTarget, CavitiesOfAVdbStayAndThoseOfAMeshAreAsAskedFor) {
+  constexpr double kHollow = 1.2;  // the radius of the cavity
+  const Mesh shell = test_meshes::merged(test_meshes::makeSphere(kRadius, 4, kCentre),
+                                         test_meshes::flipped(test_meshes::makeSphere(kHollow, 4, kCentre)));
+  const TemporaryFolder folder;
+  Monitor monitor;
+  const auto phi = meshToSdf(shell, {.voxelSize = 0.05, .hollows = Hollows::Keep}, monitor);
+  const auto vdb = folder.write("shell.vdb", encodeVdb({phi}, {}));
+  FitTargetOptions options{.resolution = 40, .triangles = 2000};
+  const auto expect = [](const FitTarget& target, bool isHollow) {
+    const double within = 2 * target.cell * target.space.scale;
+    for (const double radius : {0.0, 0.5, 1.0, 1.4, 1.6, 1.8, 2.2, 2.4}) {
+      const Point x = target.space.toFractal(kCentre + Vec3d(0.6, 0, -0.8) * radius);
+      const double wanted = isHollow ? std::max(radius - kRadius, kHollow - radius) : radius - kRadius;
+      EXPECT_NEAR(target.distance(x) * target.space.scale, wanted, within + 0.05 * std::abs(wanted)) << radius;
+    }
+  };
+  options.input = vdb;
+  const FitTarget ofVdb = makeFitTarget(options, monitor);
+  expect(ofVdb, true);
+  EXPECT_TRUE(ofVdb.facts.empty());
+  const FitTarget filled = targetOf(shell, options);
+  expect(filled, false);
+  EXPECT_EQ(filled.facts.at("julia_hollows_filled"), "1");
+  options.mend.hollows = Hollows::Keep;
+  const FitTarget kept = targetOf(shell, options);
+  expect(kept, true);
+  EXPECT_EQ(kept.facts.at("julia_hollows_kept"), "1");
+}
+
 TEST(FitTarget, SpaceIsTheFractals) {
   // An angle: its box's middle is outside, and the deepest node depends on the lattice.
   const Mesh angle =

@@ -52,7 +52,8 @@ void withMemory(double bytes, Read read) {
 void openVdbTarget(std::string_view bytes) {
   TargetOptions options;
   options.input.path = scratchFile("target.vdb", bytes);
-  withMemory(500e6, [&] { openTarget(options)->box(); });
+  Monitor monitor;
+  withMemory(500e6, [&] { openTarget(options, monitor)->box(); });
 }
 
 void readVdbHead(std::string_view bytes) {

@@ -19,6 +19,7 @@
 #include "vdbtools/scene/fractal_options.h"
 
 #include <openvdb/io/Stream.h>
+#include <openvdb/tools/LevelSetUtil.h>
 
 #include <array>
 #include <cstring>
@@ -242,6 +243,14 @@ void addVdbs(Seeds& seeds) {
   tiles->tree().addTile(2, {128, 0, 0}, 0.25f, true);
   tiles->tree().addTile(3, {4096, 0, 0}, 0, false);
   files["tiles"] = encoded({tiles}, COMPRESS_ACTIVE_MASK);
+  const openvdb::FloatGrid::Ptr fog = surface->deepCopy();
+  openvdb::tools::sdfToFogVolume(*fog);
+  fog->setName("density");
+  files["fog"] = encoded({fog}, COMPRESS_ACTIVE_MASK);
+  const openvdb::FloatGrid::Ptr unequal = surface->copy();
+  unequal->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
+  unequal->transform().preScale(Vec3d(0.1, 0.2, 0.3));
+  files["unequal"] = encoded({unequal}, COMPRESS_ACTIVE_MASK);
   openvdb::math::Mat4d turned = openvdb::math::Mat4d::identity();
   turned.setToRotation(Vec3d(1, 2, 3), 0.5);
   const openvdb::FloatGrid::Ptr placed = surface->copy();

@@ -80,15 +80,15 @@ class BandOfATarget : public testing::Test {
 TEST_F(BandOfATarget, OfMeshes) {
   const Mesh two = merged(makeSphere(1, 3), makeSphere(0.4, 3, Vec3d(1.2, 0.3, 0.1)));
   for (const Mesh& mesh : {two, makeSoup(makeSphere(1, 4, Vec3d(7, 0, -2)), 0.01), makeCube()})
-    expectOneBandFor(*openTarget(optionsOf(mesh, {})));
+    expectOneBandFor(*openTarget(optionsOf(mesh, {}), mMonitor));
 }
 
 TEST_F(BandOfATarget, OfMendedMeshes) {
   const auto top = [](const Vec3d& at) { return at[1] > 0.5; };
   const Mesh open = withoutTriangles(makeSphere(1, 3), top);
-  expectOneBandFor(*openTarget(optionsOf(open, {.repair = true})));
-  expectOneBandFor(*openTarget(optionsOf(open, {.repair = true, .gap = 1.8})));
-  expectOneBandFor(*openTarget(optionsOf(open, {.thicken = 0.3})));
+  expectOneBandFor(*openTarget(optionsOf(open, {.repair = true}), mMonitor));
+  expectOneBandFor(*openTarget(optionsOf(open, {.repair = true, .gap = 1.8}), mMonitor));
+  expectOneBandFor(*openTarget(optionsOf(open, {.thicken = 0.3}), mMonitor));
 }
 
 // A repair that moves the surface far says the same of it in each band.
@@ -97,7 +97,8 @@ TEST_F(BandOfATarget, OfMeshesWithPartsThatBoundNothing) {
       withoutTriangles(makeSphere(0.3, 3, Vec3d(0, 1.5, 0)), [](const Vec3d& at) { return at[1] > 1.3; });
   expectOneBandFor(*openTarget(
       optionsOf(merged(withoutTriangles(makeSphere(1, 4), [](const Vec3d& at) { return at[0] > 0.95; }), sheet),
-                {.repair = true})));
+                {.repair = true}),
+      mMonitor));
 }
 
 TEST_F(BandOfATarget, OfVdbs) {
@@ -108,7 +109,7 @@ TEST_F(BandOfATarget, OfVdbs) {
     TargetOptions options;
     options.input.path = mFolder.path() / "target.vdb";
     std::ofstream(options.input.path, std::ios::binary) << encodeVdb({grid}, {});
-    expectOneBandFor(*openTarget(options));
+    expectOneBandFor(*openTarget(options, mMonitor));
   }
 }
 
@@ -122,7 +123,7 @@ TEST_F(BandOfATarget, TheSurveyOfACloudEnclosesWhatTheDistancesEnclose) {
       if (std::hypot(point[0], point[1]) > hole || point[2] < 0) cloud.points.push_back(point);
     TargetOptions options = optionsOf(cloud, {.pointsRadius = 0.15});
     options.sdfVoxels = VoxelChoice{.resolution = 60};
-    const std::unique_ptr<const TargetInput> input = openTarget(options);
+    const std::unique_ptr<const TargetInput> input = openTarget(options, mMonitor);
     const FloatGrid::ConstPtr fine = input->distances({0.1, 0.1, true}, mMonitor).phi,
                               coarse = input->coarseDistances(mMonitor).phi;
     const auto at = [](const FloatGrid& grid) {
@@ -142,7 +143,9 @@ class ChosenSdfResolution : public BandOfATarget {
     options.sdfVoxels.reset();
     return options;
   }
-  double chosenFor(const Vec3d& sides) { return openTarget(boxOf(sides))->chosenSdfResolution(mMonitor).value(); }
+  double chosenFor(const Vec3d& sides) {
+    return openTarget(boxOf(sides), mMonitor)->chosenSdfResolution(mMonitor).value();
+  }
 };
 
 TEST_F(ChosenSdfResolution, ThinPartsHaveEightVoxels) {
@@ -165,16 +168,16 @@ TEST_F(ChosenSdfResolution, TheSurfaceHasNoMoreVoxelsThanTheLimit) {
   for (const double z : {-0.4, 0.0, 0.4})
     plates = merged(plates, makeBox(Vec3d(-0.5, -0.5, z), Vec3d(0.5, 0.5, z + kThin)));
   options.mesh = std::make_shared<const Mesh>(plates);
-  const double chosen = openTarget(options)->chosenSdfResolution(mMonitor).value();
+  const double chosen = openTarget(options, mMonitor)->chosenSdfResolution(mMonitor).value();
   EXPECT_GT(chosen, kUsualSdfResolution);
   EXPECT_NEAR(kArea * chosen * chosen, 400'000, 0.1 * 400'000);
 }
 
 TEST_F(ChosenSdfResolution, DistancesHaveTheVoxelsOfTheSameNumberGiven) {
   TargetOptions options = boxOf(Vec3d(1, 0.015, 0.02));
-  const std::unique_ptr<const TargetInput> chooses = openTarget(options);
+  const std::unique_ptr<const TargetInput> chooses = openTarget(options, mMonitor);
   options.sdfVoxels = VoxelChoice{.resolution = chooses->chosenSdfResolution(mMonitor)};
-  const std::unique_ptr<const TargetInput> given = openTarget(options);
+  const std::unique_ptr<const TargetInput> given = openTarget(options, mMonitor);
   EXPECT_EQ(given->chosenSdfResolution(mMonitor), std::nullopt);
   const BandWidths widths{0.02, 0.02, false};
   expectSame(chooses->distances(widths, mMonitor), given->distances(widths, mMonitor));

@@ -97,7 +97,7 @@ class VolumeTarget : public testing::Test {
     options.input.path = mFolder.path() / "ball.vdb";
     options.mend.volume = volume;
     std::ofstream(options.input.path, std::ios::binary) << encodeVdb({grid}, {.half = half});
-    return openTarget(options);
+    return openTarget(options, mMonitor);
   }
   Target read(const openvdb::GridBase::Ptr& grid, const VolumeOptions& volume = {}, bool half = false) {
     return opened(grid, volume, half)->distances({}, mMonitor);
@@ -287,6 +287,24 @@ TEST_F(VolumeTarget, ASurfaceThatIsTooLargeIsRefusedBeforeItIsMade) {
   huge->setGridClass(openvdb::GRID_FOG_VOLUME);
   huge->sparseFill(CoordBBox(Coord(0), Coord((1 << 18) - 1, (1 << 18) - 1, (1 << 12) - 1)), 1);
   EXPECT_THROW(read(huge), MemoryError);
+}
+
+TEST_F(VolumeTarget, MakingItIsWatchedAndCanBeStopped) {
+  class Watch final : public Monitor {
+   public:
+    void begin(const Phase&, std::uint64_t) override { ++phases; }
+    bool cancelled() const override { return isStopped; }
+    int phases = 0;
+    bool isStopped = false;
+  };
+  opened(fog(cubes()));
+  TargetOptions options;
+  options.input.path = mFolder.path() / "ball.vdb";
+  Watch watch;
+  EXPECT_GT(openTarget(options, watch)->box().volume(), 0);
+  EXPECT_GT(watch.phases, 0);
+  watch.isStopped = true;
+  EXPECT_THROW(openTarget(options, watch), Interrupted);
 }
 
 TEST_F(VolumeTarget, ValuesThatAreNotFiniteAreRefused) {

@@ -128,7 +128,10 @@ FloatGrid::Ptr levelSetOfVolume(const FloatGrid& given, double isovalue, bool in
   const FloatGrid& field = *ends;
   requireSurface(field, isovalue, insideAbove);
   requireRoomForSurface(field, isovalue);
+  // OpenVDB's extraction can be stopped before and after it only.
+  monitor.throwIfCancelled();
   LevelSurface surface = surfaceOf(field, isovalue);
+  monitor.throwIfCancelled();
   const openvdb::math::Transform::Ptr lattice = latticeOfCubes(field);
   const double voxel = lattice->voxelSize()[0];
   for (Vec3d& point : surface.points) point = field.indexToWorld(point);

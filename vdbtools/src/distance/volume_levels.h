@@ -36,6 +36,7 @@ openvdb::FloatGrid::Ptr withOtherSign(const openvdb::FloatGrid& grid);
 /// @throw DataError  a value that is not finite, no such surface, or an inside without an end
 /// @throw std::invalid_argument  more than 2^31 nodes
 /// @throw MemoryError  they, or the surface, take more memory than is left
+/// @throw Interrupted
 openvdb::FloatGrid::Ptr levelSetOfVolume(const openvdb::FloatGrid& field, double isovalue, bool insideAbove,
                                          Monitor& monitor);
 

@@ -56,8 +56,8 @@ std::string KeptScene::picture(const FieldPicture& picture, Monitor& monitor) {
 }
 
 SceneStore::SceneStore()
-    : mMaker([this](const TargetOptions& options) {
-        std::shared_ptr<const TargetInput> input = openTarget(options);
+    : mMaker([this](const TargetOptions& options, Monitor& monitor) {
+        std::shared_ptr<const TargetInput> input = openTarget(options, monitor);
         const std::lock_guard lock(mMutex);
         mTarget = input;
         return std::make_unique<const SharedInput>(std::move(input));

@@ -94,7 +94,7 @@ void chooseSdfResolution(FramePlanOptions& options, Monitor& monitor) {
     // A file that is missing is named with the others.
     std::error_code error;
     if (!std::filesystem::is_regular_file(target.input.path, error)) continue;
-    if (const std::optional<double> chosen = openTarget(target)->chosenSdfResolution(monitor))
+    if (const std::optional<double> chosen = openTarget(target, monitor)->chosenSdfResolution(monitor))
       options.sdfResolution = std::max(*chosen, options.sdfResolution.value_or(0));
   }
 }

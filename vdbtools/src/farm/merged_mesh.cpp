@@ -22,7 +22,8 @@ Scene sceneWithTransfers(const FractalOptions& options, const fs::path& prepared
   if (options.output.attributes.transferred.empty()) return scene;
   const TargetOptions& target = options.target.value();
   verifiedHashes({&target.input, 1});
-  scene.target->mesh = transferredMesh(options, *openTarget(target));
+  Monitor unwatched;
+  scene.target->mesh = transferredMesh(options, *openTarget(target, unwatched));
   return scene;
 }
 

@@ -166,9 +166,9 @@ std::string targetKey(const TargetOptions& options) {
 }
 
 TargetOpener targetsKeptIn(fs::path folder, std::function<bool(const std::string& key)> keeps) {
-  return [folder = std::move(folder),
-          keeps = std::move(keeps)](const TargetOptions& options) -> std::unique_ptr<const TargetInput> {
-    std::unique_ptr<const TargetInput> input = openTarget(options);
+  return [folder = std::move(folder), keeps = std::move(keeps)](
+             const TargetOptions& options, Monitor& monitor) -> std::unique_ptr<const TargetInput> {
+    std::unique_ptr<const TargetInput> input = openTarget(options, monitor);
     std::string key = targetKey(options);
     if (key.empty()) return input;
     return std::make_unique<KeptTarget>(std::move(input), folder, std::move(key), keeps);

@@ -6,6 +6,7 @@
 #include "base/openvdb/level_set_filter.h"
 #include "decimation/decimate.h"
 #include "distance/known_distance.h"
+#include "distance/united_parts.h"
 #include "distance/wide_distance.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/number_text.h"
@@ -21,6 +22,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -58,6 +60,7 @@ struct Solid {
   openvdb::BBoxd box;
   std::optional<FractalSpace> space;  ///< set for a VDB; for a mesh it depends on the distances
   MendOptions mend{};
+  std::map<std::string, std::string> facts{};
 };
 
 Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
@@ -67,10 +70,13 @@ Solid readSolid(const FitTargetOptions& options, Monitor& monitor) {
     solid.mesh = *source.solid;
     solid.box = source.box;
     solid.mend = options.mend;
+    if (source.mesh->pointsLeftOut > 0) solid.facts[kPointsLeftOut] = std::to_string(source.mesh->pointsLeftOut);
     return solid;
   }
-  solid.mend = {.repair = options.mend.repair, .gap = options.mend.gap};
-  Target target = readVdbTarget(options.input, options.grid, options.mend.volume);
+  // Its values say what is a cavity.
+  solid.mend = {.repair = options.mend.repair, .gap = options.mend.gap, .hollows = Hollows::Keep};
+  Target target = readVdbTarget(options.input, options.grid, options.mend.volume, monitor);
+  solid.facts = target.facts;
   solid.mesh = meshOfLevelSet(*target.phi, monitor);
   solid.box = target.box;
   if (!centreIsInside(*target.phi, target.box)) extendBand(target, 0, std::numeric_limits<double>::infinity(), monitor);
@@ -239,8 +245,10 @@ FitTarget makeFitTarget(const FitTargetOptions& options, Monitor& monitor) {
   target.resolution = options.resolution;
   const double voxel = kCubeSide * longestSide(solid.box) / options.resolution;
   const Vec3d node = solid.box.getCenter() - Vec3d(middleNode(options.resolution) * voxel);
-  const FloatGrid::Ptr finest =
-      makeSdfAbout(node, solid.mesh, sdfBand(voxel, kFitBand, kFitBand), solid.mend, monitor).grid;
+  const MeshSdf sdf = makeSdfAbout(node, solid.mesh, sdfBand(voxel, kFitBand, kFitBand), solid.mend, monitor);
+  const FloatGrid::Ptr finest = sdf.grid;
+  target.facts = solid.facts;
+  if (!solid.space) target.facts.merge(partFacts(sdf.parts, solid.mend.hollows));
   target.levels.push_back(finest);
   target.space = spaceOf(solid, *finest, monitor);
   solid.mesh = Mesh();

@@ -31,7 +31,7 @@ void describe(const SdfOptions& options, const openvdb::BBoxd& box, SdfResult& r
 }
 
 SdfResult redistancedVdb(const SdfOptions& options, Monitor& monitor) {
-  const Target target = readVdbTarget(options.input, options.grid, options.mend.volume, true);
+  const Target target = readVdbTarget(options.input, options.grid, options.mend.volume, monitor, true);
   SdfResult result;
   result.metadata = target.facts;
   result.grid = redistanced(*target.phi, options.band, monitor);

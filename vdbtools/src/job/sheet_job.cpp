@@ -447,6 +447,7 @@ SheetPage makeSheet(const SheetOptions& options, const std::filesystem::path& fo
       NumberedMonitor numbered(monitor, "cell", number, planned.cells.size());
       const FractalOptions fractal = parseFractalOptions(cell.cell.recipe);
       const Scene scene = scenes.make(cell.view.mesh ? fractal : forPictures(fractal), numbered);
+      page.metadata.push_back(scene.metadata);
       if (!isTold) tellLongWork(scene, cell.view, missing.size(), longWork, numbered);
       isTold = true;
       const auto& [field, mesh, recorded] = cell.view;

@@ -201,7 +201,7 @@ bool isOfMesh(const VdbFile& file, const FloatGrid& grid) {
 
 /// The signed distance of a target that the values of a grid describe. @param facts  receives what was decided
 FloatGrid::Ptr signedDistanceOf(FloatGrid::Ptr grid, const VolumeOptions& volume, bool needsCubes,
-                                std::map<std::string, std::string>& facts) {
+                                std::map<std::string, std::string>& facts, Monitor& monitor) {
   // An empty grid has no surface; makeTarget() reports it.
   if (grid->activeVoxelCount() == 0) return grid;
   std::optional<double> isovalue = volume.isovalue;
@@ -223,18 +223,17 @@ FloatGrid::Ptr signedDistanceOf(FloatGrid::Ptr grid, const VolumeOptions& volume
   if (!isovalue && !becomesCubes) return grid;
   const Vec3d sides = grid->voxelSize();
   if (becomesCubes) facts[kUnequalSides] = numbersText({sides[0], sides[1], sides[2]});
-  Monitor unwatched;
-  return levelSetOfVolume(*grid, isovalue.value_or(0), !isLevelSet && !volume.invert, unwatched);
+  return levelSetOfVolume(*grid, isovalue.value_or(0), !isLevelSet && !volume.invert, monitor);
 }
 
 }  // namespace
 
 Target readVdbTarget(const std::filesystem::path& path, const std::string& grid, const VolumeOptions& volume,
-                     bool needsCubes) {
+                     Monitor& monitor, bool needsCubes) {
   const VdbFile file = readVdb(path);
   const FloatGrid::Ptr stored = chooseFloatGrid(file, grid, path);
   std::map<std::string, std::string> facts;
-  const FloatGrid::Ptr phi = signedDistanceOf(stored, volume, needsCubes, facts);
+  const FloatGrid::Ptr phi = signedDistanceOf(stored, volume, needsCubes, facts, monitor);
   // The project's own SDF records the box of its mesh, half a voxel more exactly than its nodes do.
   std::optional<BBoxd> box;
   if (const auto found = file.metadata.find(kTargetBox);

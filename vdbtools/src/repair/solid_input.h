@@ -81,7 +81,8 @@ inline constexpr const char* kUnequalSides = "julia_unequal_voxels";
 /// @param needsCubes  whether voxels must be cubes even where all distances are known
 /// @throw as readVdb(), chooseFloatGrid(), levelSetOfVolume() and makeTarget()
 /// @throw std::invalid_argument  the sign is to be reversed although it is right
+/// @throw Interrupted
 Target readVdbTarget(const std::filesystem::path& path, const std::string& grid, const VolumeOptions& volume,
-                     bool needsCubes = false);
+                     Monitor& monitor, bool needsCubes = false);
 
 }  // namespace vdbtools

@@ -45,7 +45,8 @@ struct PlacedTarget {
 /// the request, and not on earlier requests.
 class SharedTarget {
  public:
-  SharedTarget(const TargetOptions& options, const TargetOpener& open) : mOptions(options), mInput(open(options)) {}
+  SharedTarget(const TargetOptions& options, const TargetOpener& open, Monitor& monitor)
+      : mOptions(options), mInput(open(options, monitor)) {}
 
   const TargetOptions& options() const { return mOptions; }
   const TargetInput& input() const { return *mInput; }

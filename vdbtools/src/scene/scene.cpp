@@ -183,12 +183,13 @@ std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const
 struct SceneMaker::Shared {
   /// The shared parts of the target of these options. The target is opened again if its file has changed.
   /// @param hashes  receives the hashes of the options' files
-  SharedTarget& over(const FractalOptions& options, Metadata& hashes) {
+  SharedTarget& over(const FractalOptions& options, Metadata& hashes, Monitor& monitor) {
     if (target && target->options() != *options.target) target.reset();
-    if (!target) target = std::make_unique<SharedTarget>(*options.target, open);
+    if (!target) target = std::make_unique<SharedTarget>(*options.target, open, monitor);
     hashes = hashesOf(options);
     const std::string& hash = hashes.at(metadataName(options.target->input.recordedAs));
-    if (!target->hash.empty() && target->hash != hash) target = std::make_unique<SharedTarget>(*options.target, open);
+    if (!target->hash.empty() && target->hash != hash)
+      target = std::make_unique<SharedTarget>(*options.target, open, monitor);
     target->hash = hash;
     return *target;
   }
@@ -313,7 +314,7 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
 
   std::optional<BBoxd> shape;
   if (options.target) {
-    SharedTarget& shared = mShared->over(options, scene.metadata);
+    SharedTarget& shared = mShared->over(options, scene.metadata, monitor);
     if (const std::optional<LengthUnit> unit = unitOfTarget(options)) scene.metadata[kLengthUnit] = nameOf(*unit);
     shape = setTarget(scene, shared, monitor);
   } else {
@@ -350,7 +351,7 @@ LocalThickness SceneMaker::thickness(const FractalOptions& options, double slope
   openvdb::initialize();
   requireTarget(options);
   Metadata hashes;
-  return mShared->over(options, hashes).survey(monitor).thickness(monitor, slope);
+  return mShared->over(options, hashes, monitor).survey(monitor).thickness(monitor, slope);
 }
 
 VersorSeeds::VersorSeeds(const Scene& scene) : mScene(scene) {

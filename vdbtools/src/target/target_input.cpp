@@ -172,8 +172,8 @@ class MeshInput final : public TargetInput {
 
 class VdbInput final : public TargetInput {
  public:
-  explicit VdbInput(const TargetOptions& options)
-      : mTarget(readVdbTarget(options.input.path, options.grid, options.mend.volume)) {}
+  VdbInput(const TargetOptions& options, Monitor& monitor)
+      : mTarget(readVdbTarget(options.input.path, options.grid, options.mend.volume, monitor)) {}
 
   const BBoxd& box() const override { return mTarget.box; }
   double usualDepth() const override { return 2.5; }
@@ -355,8 +355,8 @@ bool hasAutomaticSdfResolution(const Recipe& recipe) {
          !recipe.contains("sdf-voxel-size") && (resolution == recipe.end() || resolution->second == kAutomatic);
 }
 
-std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options) {
-  if (!options.mesh && isVdbPath(options.input.path)) return std::make_unique<VdbInput>(options);
+std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options, Monitor& monitor) {
+  if (!options.mesh && isVdbPath(options.input.path)) return std::make_unique<VdbInput>(options, monitor);
   return std::make_unique<MeshInput>(options);
 }
 

@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -30,7 +31,8 @@
 namespace vdbtools::fit {
 
 struct FitTargetOptions {
-  std::filesystem::path input;       ///< a mesh, or a VDB with a signed distance; cavities count as inside
+  /// A mesh, or a VDB with a signed distance. The cavities of a mesh are those of mend.hollows; those of a VDB stay.
+  std::filesystem::path input;
   std::shared_ptr<const Mesh> mesh;  ///< a target in memory, for which nothing is read; input is its name
   std::string grid;                  ///< the grid of the VDB, as in chooseFloatGrid()
   MendOptions mend;                  ///< how a solid is made of the file
@@ -45,11 +47,12 @@ struct FitTargetOptions {
 /// Each level's lattice has every second node of the previous one, so the finest node spacing is one cell and, further
 /// out, 2, 4, 8 cells and so on.
 struct FitTarget {
-  FractalSpace space;       ///< the default space of `juliavdb fractal` for this input
-  openvdb::BBoxd box;       ///< bounds of the shape, world units
-  int resolution = 0;       ///< cells along the cube's side
-  double cell = 0;          ///< the edge length of a cell
-  julia::Point cubeCentre;  ///< the centre of the box
+  FractalSpace space;                          ///< the default space of `juliavdb fractal` for this input
+  openvdb::BBoxd box;                          ///< bounds of the shape, world units
+  int resolution = 0;                          ///< cells along the cube's side
+  std::map<std::string, std::string> facts{};  ///< metadata that say how the target was read
+  double cell = 0;                             ///< the edge length of a cell
+  julia::Point cubeCentre;                     ///< the centre of the box
 
   /// Smooth, closed, 2-manifold, oriented outward.
   julia::TriangleSurface surface;

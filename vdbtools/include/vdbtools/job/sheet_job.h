@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -66,9 +67,10 @@ struct LongWork {
 };
 
 struct SheetPage {
-  Sheet sheet;                  ///< has the errors of all cells that failed
-  std::string picture;          ///< the page, as a PNG
-  std::size_t reusedCells = 0;  ///< number of cells that were taken from the folder
+  Sheet sheet;                                               ///< has the errors of all cells that failed
+  std::string picture;                                       ///< the page, as a PNG
+  std::size_t reusedCells = 0;                               ///< number of cells that were taken from the folder
+  std::vector<std::map<std::string, std::string>> metadata;  ///< of the scenes of the other cells
 };
 
 /// Makes the pictures and puts them on a page. A cell that cannot be made, or whose picture shows nothing of its set,

@@ -114,7 +114,7 @@ struct Scene {
 };
 
 /// Opens the target that options name.
-using TargetOpener = std::function<std::unique_ptr<const TargetInput>(const TargetOptions&)>;
+using TargetOpener = std::function<std::unique_ptr<const TargetInput>(const TargetOptions&, Monitor& monitor)>;
 
 /// Makes scenes one after another. Those parts of a target that several scenes share are made once.
 class SceneMaker {

@@ -119,6 +119,7 @@ class TargetInput {
 
 /// @throw MissingInputError, DataError, IoError  as when reading the file
 /// @throw DataError  a mesh in memory has no triangle, a coordinate that is not finite, or an index out of range
-std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options);
+/// @throw Interrupted
+std::unique_ptr<const TargetInput> openTarget(const TargetOptions& options, Monitor& monitor);
 
 }  // namespace vdbtools
