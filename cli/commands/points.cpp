@@ -86,15 +86,10 @@ Made pointsFromShape(const std::string& input, const std::string& grid, const vd
   return {vdbtools::meshPoints(vdbtools::meshOfLevelSet(*levelSet, progress), options, progress), {}, 0};
 }
 
-bool mayHoldRecipe(const std::string& input) {
-  const std::string extension = vdbtools::meshExtension(input);
-  return extension == ".vdb" || extension == ".ply" || extension == ".obj";
-}
-
 void writePoints(const CommandLine& line, const Made& made, const FrameRun& run, vdbtools::AtomicFile& file) {
   const vdbtools::OrientedPoints& points = made.points;
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
-  if (formatOf(line.text("output"), ".ply") == ".vdb") {
+  if (vdbtools::isVdbPath(line.text("output"))) {
     const double spacing = points.spacing > 0 ? points.spacing : points.reach > 0 ? points.reach : 1;
     // Points have their turn in themselves, as the transform of a grid would not turn normals.
     vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(made.axes, made.metadata);
@@ -104,7 +99,8 @@ void writePoints(const CommandLine& line, const Made& made, const FrameRun& run,
     write.turn = {};
     file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(turned.batch(), turned.columns, spacing)}, write);
   } else {
-    vdbtools::MeshWriteOptions write = vdbtools::meshWriteOptions(vdbtools::MeshFormat::Ply, made.axes, made.metadata);
+    vdbtools::MeshWriteOptions write =
+        vdbtools::meshWriteOptions(vdbtools::meshFormat(".ply"), made.axes, made.metadata);
     write.voxelSize = points.spacing;
     write.columns = points.columns;
     // Such a PLY holds no recipe, and no more than the unit.
@@ -136,8 +132,9 @@ FrameJob pointsJob(const CommandLine& line, const std::string& input, const vdbt
                   "it chooses a grid of a VDB, and the input is a mesh; leave it out");
   const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
   vdbtools::RecordedRecipe recorded;
-  if (!line.has("from-grid") && !line.has("grid") && mayHoldRecipe(input))
-    recorded = vdbtools::readRecordedRecipe(input);
+  if (!line.has("from-grid") && !line.has("grid"))
+    if (const vdbtools::FileFormat* const format = vdbtools::formatOfInput(input); format && format->isMadeAgain())
+      recorded = vdbtools::readRecordedRecipe(input);
   const vdbtools::Recipe asked = line.given(attributeTable());
   if (recorded.command != "fractal" && !asked.empty())
     throw std::invalid_argument("--" + vdbtools::optionName(asked.begin()->first) +
@@ -156,7 +153,7 @@ FrameJob pointsJob(const CommandLine& line, const std::string& input, const vdbt
   FrameJob job;
   if (fractal) job.inputs = vdbtools::inputsOf(*fractal);
   job.make = [&line, &options, input, recipe, fractal, unit](const FrameRun& run) {
-    vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), ".ply .vdb");
+    vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), &vdbtools::FileFormat::points);
     Made made = fractal ? pointsFromRecipe(recipe, *fractal, options, run.monitor)
                         : pointsFromShape(input, line.text("grid"), options, run.monitor);
     if (!fractal) made.axes.unit = unit;
@@ -171,8 +168,9 @@ int runPoints(const Arguments& arguments) {
   CommandLine line(kPointsUsage, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB or the mesh");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("P.ply"), "the points to write: .ply or .vdb")("points", text("N"),
-                                                                                    "how many points, exactly")(
+  line.addOptions()("output,o", text("P.ply"),
+                    ("the points to write: " + vdbtools::extensionsOf(&vdbtools::FileFormat::points)).c_str())(
+      "points", text("N"), "how many points, exactly")(
       "spacing", text("S"), "the least distance between two points, in the units of the input")(
       "seed", text("N"), "another number gives other points (default: 1)")(
       "from-grid", "use the voxels or triangles, even of a fractal")("grid", text("NAME"),

@@ -72,9 +72,9 @@ vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtool
 
 /// The fractal whose recipe the input has, if it is to be computed again.
 std::optional<vdbtools::FractalOptions> recordedFractal(const CommandLine& line, const std::string& input) {
-  const std::string extension = vdbtools::meshExtension(input);
-  const bool plain = line.has("from-grid") || line.has("grid") || line.has("repair");
-  if (plain || (extension != ".vdb" && extension != ".ply" && extension != ".obj")) return std::nullopt;
+  if (line.has("from-grid") || line.has("grid") || line.has("repair")) return std::nullopt;
+  if (const vdbtools::FileFormat* const format = vdbtools::formatOfInput(input); !format || !format->isMadeAgain())
+    return std::nullopt;
   const vdbtools::RecordedRecipe recorded = vdbtools::readRecordedRecipe(input);
   if (recorded.command != "fractal") return std::nullopt;
   vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recorded.recipe);
@@ -88,8 +88,7 @@ vdbtools::UpAxis upOf(const CommandLine& line, const std::string& input,
   using vdbtools::UpAxis;
   if (line.has("target-up")) return line.choice<UpAxis>("target-up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}});
   if (fractal) return fractal->output.axes.target;
-  return vdbtools::recordedUpAxis(vdbtools::isVdbPath(input) ? vdbtools::readVdbMetadata(input)
-                                                             : vdbtools::readMeshComments(input));
+  return vdbtools::recordedUpAxis(vdbtools::readFileTexts(input));
 }
 
 /// Refuses what has no effect on a part of this input.
@@ -104,8 +103,7 @@ void requirePartFits(const CommandLine& line, const std::string& input, const vd
 /// The shape as a closed mesh.
 vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std::uint64_t resolution,
                          vdbtools::Monitor& progress) {
-  const std::string extension = vdbtools::lowerExtension(input);
-  if (extension == ".vdb") {
+  if (vdbtools::isVdbPath(input)) {
     const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
     return vdbtools::meshOfLevelSet(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), progress);
   }
@@ -156,21 +154,16 @@ void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& o
 /// @param fractal  whose surface is to be computed again
 void makePart(const CommandLine& line, const std::string& input, const std::optional<vdbtools::FractalOptions>& fractal,
               const vdbtools::PrintOptions& options, std::optional<vdbtools::LengthUnit> unit,
-              const std::string& format, const FrameRun& run) {
-  vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), ".stl .3mf .ply .obj");
+              const vdbtools::FileFormat& format, const FrameRun& run) {
+  vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), &vdbtools::FileFormat::printed);
   const vdbtools::PrintedPart part =
       vdbtools::printedPart(fractal ? vdbtools::fractalMesh(vdbtools::makeScene(*fractal, run.monitor), run.monitor)
                                     : readShape(line, input, options.resolution, run.monitor),
                             options, run.monitor);
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
-  if (format == ".3mf") {
-    file.stream() << vdbtools::encode3mf(part.mesh);
-  } else {
-    vdbtools::MeshWriteOptions write;
-    write.format = vdbtools::meshFormat("part" + format);
-    if (unit) vdbtools::setUnit(write, vdbtools::LengthUnit::Millimetre);
-    vdbtools::writeMesh(file.stream(), part.mesh, write);
-  }
+  vdbtools::MeshWriteOptions write{.format = &format};
+  if (unit) vdbtools::setUnit(write, vdbtools::LengthUnit::Millimetre);
+  vdbtools::writeMesh(file.stream(), part.mesh, write);
   run.monitor.throwIfCancelled();
   run.outputs.commit(run.isLast);
 
@@ -195,7 +188,8 @@ int runPrint(const Arguments& arguments) {
   CommandLine line(kPrintUsage, vdbtools::OptionTable());
   line.addPositional("input", 1, "the VDB or the mesh");
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("PART.stl"), "the part to write: .stl, .3mf, .ply or .obj")(
+  line.addOptions()("output,o", text("PART.stl"),
+                    ("the part to write: " + vdbtools::extensionsOf(&vdbtools::FileFormat::printed)).c_str())(
       "longest-side", text("MM"), "the longest side of the part, in millimetres (default: as in the input's unit)")(
       "min-thickness", text("MM"),
       "the least thickness, in millimetres. Edges and tips of 60 degrees or more, and roughness of up to half of it, "
@@ -220,8 +214,10 @@ int runPrint(const Arguments& arguments) {
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o PART.stl");
-  const std::string format = vdbtools::lowerCase(formatOf(line.text("output"), ".stl"));
-  if (format == ".3mf" && !vdbtools::canWrite3mf()) vdbtools::encode3mf({});  // says why
+  // Outputs refuse a name of another format.
+  const vdbtools::FileFormat* const named = vdbtools::findFormat(formatOf(line.text("output"), ".stl"));
+  const vdbtools::FileFormat& format = named && named->printed ? *named : vdbtools::meshFormat(".stl");
+  vdbtools::requireBuilt(format);
   return runFrames(line, input, kOnlyOutput, [&](const std::string& name) {
     const std::optional<vdbtools::LengthUnit> unit = unitOf(line, name);
     vdbtools::PrintOptions options = parsePrint(line, unit);

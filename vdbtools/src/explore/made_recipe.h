@@ -12,7 +12,8 @@
 
 namespace vdbtools::explore {
 
-/// Of a VDB, PLY, OBJ or GLB that 'juliavdb fractal' made, or of a text of lines NAME = VALUE as --config takes them.
+/// Of a file that 'juliavdb fractal' made, in a format that holds the recipe, or of a text of lines NAME = VALUE as
+/// --config takes them.
 /// @param name  of the file: its extension says what it is
 /// @return the recipe as it is recorded, completed and with hashes; of a text what it says
 /// @throw DataError              it holds no recipe of a fractal, or a broken one

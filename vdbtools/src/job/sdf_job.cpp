@@ -44,9 +44,9 @@ OptionTable sdfOptionTable() {
   std::vector<OptionSpec> options = {
       {.name = "input",
        .argument = "MESH|SDF.vdb",
-       .help =
-           "the mesh: .obj, .ply, .stl, .off, .3mf, .glb or .gltf; with --points-radius a cloud of points; or a VDB, "
-           "whose level set gets a band of another width, or whose volume becomes a level set",
+       .help = "the mesh: " + extensionsOf(&FileFormat::readsMesh) +
+               "; with --points-radius a cloud of points; or a VDB, whose level set gets a band of another width, or "
+               "whose volume becomes a level set",
        .hash = "source-sha256"},
       {.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
       {.name = "resolution",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh_files/mesh_names.h"
 
+#include "mesh_files/mesh_formats.h"
 #include "mesh_files/text_scan.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
@@ -33,7 +34,8 @@ struct Named {
 
 MeshNames readMeshNames(const std::filesystem::path& path) {
   MeshNames names;
-  if (meshExtension(path) != ".obj") return names;
+  if (const FileFormat* const format = formatOfMesh(path); !format || rowOf(*format).read != still<readObj>)
+    return names;
   const std::string contents = readWholeFile(path);
   LineScanner lines(path, contents);
   Named material, group;

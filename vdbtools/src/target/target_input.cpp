@@ -245,7 +245,7 @@ constexpr double kUsualFps = 24;
 std::string idleWithoutGltf(const OptionRun& run) {
   const std::string input = run.text("input");
   if (input.empty()) return "it is for an animated glTF as the target, and there is no target; leave it out";
-  if (isGltfPath(input)) return {};
+  if (mayBeAnimated(input)) return {};
   return "it is for an animated glTF as the target, and '" + input + "' is none; leave it out";
 }
 
@@ -277,7 +277,7 @@ std::optional<MeshMoment> parseMomentOptions(const RecipeReader& reader, const s
   if (!reader.has("target-frame")) return std::nullopt;
   const double frame = reader.number("target-frame");
   if (input.empty()) return std::nullopt;
-  if (!isGltfPath(input))
+  if (!mayBeAnimated(input))
     throw std::invalid_argument("--target-frame is for an animated glTF, and '" + input.string() +
                                 "' is none; leave it out");
   return MeshMoment{frame / fps, reader.has("target-animation") ? reader.text("target-animation") : ""};

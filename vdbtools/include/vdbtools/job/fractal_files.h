@@ -4,36 +4,37 @@
 #pragma once
 
 #include "vdbtools/files/atomic_file.h"
-#include "vdbtools/formats/nvdb_file.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace vdbtools {
 
-struct FractalMeshFile {
+/// A file that takes the grids or the mesh, whichever its format holds.
+struct FractalFile {
   AtomicFile* file = nullptr;
-  MeshFormat format = MeshFormat::Ply;
+  const FileFormat* format = nullptr;  ///< one that is written
 };
 
 /// The files outlive the call. At least one is wanted.
 struct FractalFiles {
-  AtomicFile* vdb = nullptr;  ///< takes the grids; none: they are not made
-  /// The file of grids is one of NanoVDB, and how its values are stored.
-  std::optional<NvdbValues> nvdb{};
+  std::vector<FractalFile> files{};
+  NvdbValues nvdb = NvdbValues::Full;              ///< how a NanoVDB file stores numbers
   std::vector<NvdbWritten>* nvdbReport = nullptr;  ///< takes what became of the grids in such a file
-  std::vector<FractalMeshFile> meshes{};
+
+  bool wantGrids() const;
+  bool wantMesh() const;
 };
 
 /// How a scene's grids and its mesh go into files.
 /// @param metadata  the scene's
 VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::string, std::string> metadata);
-MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output,
+MeshWriteOptions meshWriteOptions(const FileFormat& format, const OutputOptions& output,
                                   std::map<std::string, std::string> metadata);
 
 /// Makes the grids and the mesh of a scene and writes them, with their metadata. The files are left to be committed.
@@ -44,7 +45,7 @@ MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor);
 
 /// Writes what runFractal() has made of a scene before, with the same bytes as if it were made now.
-/// @param made  with grids, if a VDB is written
+/// @param made  with grids, if a file takes them
 /// @param mesh, values  what went to its sink
 /// @throw as above
 void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
