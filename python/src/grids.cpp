@@ -124,14 +124,11 @@ py::array_t<double> sampleOf(const MadeGrid& made, const py::object& points) {
 
 void writeGrid(const MadeGrid& made, const std::string& path) {
   const py::gil_scoped_release free;
-  const vdbtools::FileFormat* const format = vdbtools::findFormat(path);
-  if (!format || !format->writesGrids)
-    throw std::invalid_argument("the file to write is '" + path + "'; its extension must be " +
-                                vdbtools::extensionsOf(&vdbtools::FileFormat::writesGrids));
-  vdbtools::requireBuilt(*format);
+  const vdbtools::FileFormat& format = vdbtools::gridFormat(path);
+  vdbtools::requireBuilt(format);
   vdbtools::OutputFiles files(made.inputs);
   std::ostream& file = files.add(path).stream();
-  vdbtools::writeGrids(file, *format, {made.grid}, {.metadata = made.metadata});
+  vdbtools::writeGrids(file, format, {made.grid}, {.metadata = made.metadata});
   files.commit();
 }
 

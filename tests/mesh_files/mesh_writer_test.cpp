@@ -34,7 +34,7 @@ class MeshWriter : public testing::Test {
  protected:
   std::filesystem::path write(const char* name, const Mesh& mesh, MeshWriteOptions options) const {
     const std::filesystem::path path = mFolder / name;
-    options.format = meshFormat(path);
+    options.format = &meshFormat(path);
     std::ofstream stream(path, std::ios::binary);
     writeMesh(stream, mesh, options);
     return path;
@@ -204,7 +204,7 @@ TEST_F(MeshStream, PiecesGiveTheBytesOfTheWhole) {
     const Mesh mesh = randomMesh(random, points, triangles, normals);
     for (const FileFormat* const format : kFormats)
       for (const double voxelSize : {0.0, 0.1, 1e-5}) {
-        SCOPED_TRACE(testing::Message() << "seed " << seed << ", format " << int(format) << ", voxels of "
+        SCOPED_TRACE(testing::Message() << "seed " << seed << ", format " << format->name << ", voxels of "
                                         << voxelSize);
         MeshWriteOptions options{.format = format, .voxelSize = voxelSize, .comments = {{"julia_alpha", "40"}}};
         // Its middle is what the positions of a GLB are relative to.
@@ -234,7 +234,7 @@ TEST_F(MeshStream, PartsOfSeveralBuffersToo) {
     for (const bool seekable : {true, false})
       EXPECT_TRUE(streamedBytes(mesh, {.format = format}, seekable, random, 20000) ==
                   wholeBytes(mesh, {.format = format}))
-          << int(format) << (seekable ? " file" : " pipe");
+          << format->name << (seekable ? " file" : " pipe");
 }
 
 TEST_F(MeshStream, AnEmptyMeshIsWrittenToo) {
@@ -374,7 +374,7 @@ TEST_F(MeshStream, ObjHoldsColoursAndTextureCoordinates) {
   const auto ply = mFolder / "columns.ply", obj = mFolder / "columns.obj";
   for (const auto& path : {ply, obj}) {
     std::ofstream file(path, std::ios::binary);
-    writeMesh(file, made.mesh, {.format = meshFormat(path), .columns = made.columns}, made.values);
+    writeMesh(file, made.mesh, {.format = &meshFormat(path), .columns = made.columns}, made.values);
   }
   const Mesh fromPly = readMesh(ply), fromObj = readMesh(obj);
   ASSERT_EQ(fromObj.attributes.size(), 3u);
@@ -391,7 +391,7 @@ TEST_F(MeshStream, PiecesWithColumnsGiveTheBytesOfTheWhole) {
     MeshStreamWriter writer(pieces, mFolder, options);
     feed(writer, made.mesh, made.random, 20, made.values, ColumnMesh::kRow);
     writer.finish();
-    EXPECT_EQ(pieces.str(), whole.str()) << int(format);
+    EXPECT_EQ(pieces.str(), whole.str()) << format->name;
   }
 }
 
@@ -407,7 +407,7 @@ TEST_F(MeshStream, NothingPassesForAMeshBeforeItIsFinished) {
   const Mesh mesh = test_meshes::makeSphere(1, 5);
   for (const char* name : {"u.ply", "u.stl", "u.glb"}) {
     std::ofstream stream(mFolder / name, std::ios::binary);
-    MeshStreamWriter writer(stream, mFolder, {.format = meshFormat(name)});
+    MeshStreamWriter writer(stream, mFolder, {.format = &meshFormat(name)});
     std::mt19937 random;
     feed(writer, mesh, random, 1000);
     stream.flush();
