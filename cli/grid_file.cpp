@@ -9,11 +9,19 @@
 
 #include <algorithm>
 #include <ostream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 namespace cli {
+
+std::string gridsHelp() {
+  std::string silent;
+  for (const vdbtools::FileFormat* format : vdbtools::fileFormats())
+    if (format->writesGrids && !format->recipe)
+      silent += (silent.empty() ? "; " : ", ") + std::string(format->extension) + " is " + std::string(format->name);
+  return "the grids to write: " + vdbtools::extensionsOf(&vdbtools::FileFormat::writesGrids) + silent +
+         ", which holds no recipe";
+}
 
 void addNvdbOption(CommandLine& line) {
   line.addOptions()("nvdb-bits", boost::program_options::value<std::string>()->value_name("32|16|8|auto"),
@@ -22,27 +30,25 @@ void addNvdbOption(CommandLine& line) {
                     "densities within 0.01 (Fp16, Fp8 and FpN of NanoVDB). How far values are off is said at the end");
 }
 
-std::optional<vdbtools::NvdbValues> nvdbValues(const CommandLine& line) {
-  if (!vdbtools::isNvdbPath(line.text("output"))) {
+GridOutput gridOutput(const CommandLine& line) {
+  const vdbtools::FileFormat* format = vdbtools::findFormat(line.text("output"));
+  if (!format || !format->writesGrids) format = vdbtools::findFormat(".vdb");
+  if (!format->nvdbBits)
     line.requireUse(false, {"nvdb-bits"}, "it goes with -o F.nvdb; --half stores 16 bits in a .vdb");
-    return std::nullopt;
-  }
-  if (!vdbtools::canWriteNvdb()) {
-    std::ostringstream nothing;
-    vdbtools::writeNvdb(nothing, {}, {});  // throws the error for a build without NanoVDB
-  }
-  if (line.given().contains("half"))
+  vdbtools::requireBuilt(*format);
+  const std::string name = "a " + std::string(format->extension);
+  if (line.given().contains("half") && !format->half)
     throw std::invalid_argument("--half is for a .vdb; --nvdb-bits 16 stores 16 bits in a .nvdb");
-  if (line.given().contains("target-up") && line.recipe().at("up") == "keep" && !line.has("mesh"))
-    throw std::invalid_argument(
-        "--target-up has no effect: a .nvdb does not say which axis points up; give --up too, or leave it out");
-  if (line.given().contains("units") && !line.has("mesh"))
-    throw std::invalid_argument("--units has no effect: a .nvdb has no room for a unit; leave it out");
-  if (!line.has("nvdb-bits")) return vdbtools::NvdbValues::Full;
-  return line.choice<vdbtools::NvdbValues>("nvdb-bits", {{"32", vdbtools::NvdbValues::Full},
-                                                         {"16", vdbtools::NvdbValues::Fp16},
-                                                         {"8", vdbtools::NvdbValues::Fp8},
-                                                         {"auto", vdbtools::NvdbValues::Variable}});
+  if (line.given().contains("target-up") && line.recipe().at("up") == "keep" && !line.has("mesh") && !format->recipe)
+    throw std::invalid_argument("--target-up has no effect: " + name +
+                                " does not say which axis points up; give --up too, or leave it out");
+  if (line.given().contains("units") && !line.has("mesh") && !format->unit)
+    throw std::invalid_argument("--units has no effect: " + name + " has no room for a unit; leave it out");
+  if (!line.has("nvdb-bits")) return {format};
+  return {format, line.choice<vdbtools::NvdbValues>("nvdb-bits", {{"32", vdbtools::NvdbValues::Full},
+                                                                  {"16", vdbtools::NvdbValues::Fp16},
+                                                                  {"8", vdbtools::NvdbValues::Fp8},
+                                                                  {"auto", vdbtools::NvdbValues::Variable}})};
 }
 
 void tellNvdb(const std::vector<vdbtools::NvdbWritten>& grids) {

@@ -140,9 +140,8 @@ std::vector<po::option> takeNegativeNumber(std::vector<std::string>& words) {
 }
 
 bool holdsRecipe(const std::string& file) {
-  const std::string extension = vdbtools::lowerExtension(file);
-  return extension == ".vdb" || extension == ".ply" || extension == ".obj" || extension == ".glb" ||
-         vdbtools::isSheetCell(file);
+  const vdbtools::FileFormat* const format = vdbtools::findFormat(file);
+  return (format && format->recipe) || vdbtools::isSheetCell(file);
 }
 
 po::value_semantic* valueOf(const vdbtools::OptionListing& option) {
@@ -178,9 +177,10 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
   if (!options.empty())
     mCommon.add_options()(
         "config", po::value<std::string>()->value_name("FILE"),
-        "read options from a file: lines NAME = VALUE, a VDB, PLY, OBJ or GLB that this program made, a recipe of "
-        "'juliavdb recipe', or cell N of a contact sheet as in sheet.json#7; options on the command line take "
-        "precedence. --recipe is the same");
+        ("read options from a file: lines NAME = VALUE, a " + vdbtools::namesOf(&vdbtools::FileFormat::recipe) +
+         " that this program made, a recipe of 'juliavdb recipe', or cell N of a contact sheet as in sheet.json#7; "
+         "options on the command line take precedence. --recipe is the same")
+            .c_str());
   mCommon.add_options()("threads", po::value<std::string>()->value_name("N"),
                         "the number of threads (default: SLURM_CPUS_PER_TASK or SLURM_CPUS_ON_NODE, or else all that "
                         "this process may use)")(
@@ -371,8 +371,8 @@ void CommandLine::readConfig(const std::string& file) {
     // The file is read whole, so that one that cannot be read to its end is not taken for a shorter one.
     const std::string list = vdbtools::readWholeFile(file);
     if (list.find('\0') != std::string::npos)
-      throw vdbtools::DataError("'" + file +
-                                "' is neither a text of lines NAME = VALUE nor a VDB, PLY, OBJ or GLB with a recipe");
+      throw vdbtools::DataError("'" + file + "' is neither a text of lines NAME = VALUE nor a " +
+                                vdbtools::namesOf(&vdbtools::FileFormat::recipe) + " with a recipe");
     base = readConfigList(list, file, mTable);
   }
   mGiven = vdbtools::overridden(std::move(base), mGiven, mTable);

@@ -9,6 +9,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frame_name.h"
 #include "vdbtools/files/standard_streams.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/records/recorded_files.h"
 
@@ -35,9 +36,28 @@ bool hasExtension(std::string_view list, std::string_view extension) {
   return false;
 }
 
+/// "- is PLY and -.obj is OBJ".
+std::string pipeNames() {
+  std::string names;
+  for (const vdbtools::FileFormat* format : vdbtools::fileFormats())
+    if (format->piped)
+      names += names.empty() ? "- is " + std::string(format->name)
+                             : " and -" + std::string(format->extension) + " is " + std::string(format->name);
+  return names;
+}
+
 }  // namespace
 
-bool isStandardOutput(const std::string& name) { return name == "-" || name == "-.ply" || name == "-.obj"; }
+std::string meshHelp() {
+  return "the mesh to write: " + vdbtools::extensionsOf(&vdbtools::FileFormat::writesMesh) +
+         "; on the standard output, " + pipeNames();
+}
+
+bool isStandardOutput(const std::string& name) {
+  if (!name.starts_with('-')) return false;
+  const vdbtools::FileFormat* const format = vdbtools::findFormat(name);
+  return name == vdbtools::kStandardStream || (format && format->piped && name.substr(1) == format->extension);
+}
 
 Outputs::Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame)
     : mFrame(frame), mFiles(allInputs(line, std::move(inputs))) {}
@@ -46,9 +66,8 @@ vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string&
   if (isStandardOutput(name)) {
     // The formats of the pipes between programs; the others are for files.
     if (!hasExtension(extensions, formatOf(name, "")))
-      throw std::invalid_argument("--" + option + " is '" + name +
-                                  "'; the standard output takes a PLY (-) or an OBJ (-.obj), and this is a file of " +
-                                  std::string(extensions));
+      throw std::invalid_argument("--" + option + " is '" + name + "'; on the standard output " + pipeNames() +
+                                  ", and this is a file of " + std::string(extensions));
     vdbtools::AtomicFile& file = mFiles.addStandardOutput();
     report().making(file.target(), mFiles.files().size() == 1);
     return file;
@@ -62,6 +81,12 @@ vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string&
   vdbtools::AtomicFile& file = mFiles.add(path);
   report().making(file.target(), mFiles.files().size() == 1);
   return file;
+}
+
+vdbtools::AtomicFile& Outputs::add(const std::string& option, const std::string& name,
+                                   bool vdbtools::FileFormat::*fact) {
+  return add(option, name,
+             vdbtools::formatTexts(vdbtools::fileFormats(), fact, &vdbtools::FileFormat::extension, " ", " "));
 }
 
 void Outputs::commit(bool isAll) {
@@ -92,22 +117,19 @@ void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, st
 }
 
 std::string formatOf(const std::string& name, const char* usual) {
-  if (name == vdbtools::kStandardStream) return ".ply";
+  if (name == vdbtools::kStandardStream)
+    for (const vdbtools::FileFormat* format : vdbtools::fileFormats())
+      if (format->piped) return std::string(format->extension);
   const std::string extension = vdbtools::lowerExtension(name);
   return extension.empty() ? usual : extension;
 }
 
 void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::VertexColumn> columns) {
-  const std::string extension = vdbtools::lowerExtension(file);
-  std::vector<std::string> names;
-  const bool grids = extension == ".vdb" || extension == ".nvdb";
-  if (grids) {
-    for (const vdbtools::VertexColumn& column : columns)
-      if (column.kind == vdbtools::ColumnKind::TextureCoordinate) names.push_back(column.name);
-  } else if (!extension.empty()) {
-    names = vdbtools::columnsLeftOut(vdbtools::meshFormat(file), columns);
-  }
+  const vdbtools::FileFormat* const format = vdbtools::findFormat(file.native());
+  if (!format) return;
+  const std::vector<std::string> names = vdbtools::columnsLeftOut(*format, columns);
   if (names.empty()) return;
+  const bool grids = format->writesGrids;
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   report().text() << "note: " << file.string() << " holds no "

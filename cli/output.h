@@ -5,6 +5,7 @@
 #pragma once
 
 #include "vdbtools/field/crumbs.h"
+#include "vdbtools/files/file_format.h"
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/mesh/vertex_column.h"
 
@@ -27,11 +28,13 @@ class Outputs {
   /// @param frame   the frame number for names such as name.####.vdb, if there is one
   explicit Outputs(const CommandLine& line, vdbtools::InputFiles inputs, std::optional<int> frame = {});
 
-  /// Claims a path, or the standard output for "-", "-.ply" and "-.obj"; the content is written to the file's stream.
+  /// Claims a path, or the standard output (isStandardOutput()); the content is written to the file's stream.
   /// @throw std::invalid_argument  the name has none of the @a extensions (".vdb .ply"), or the file is an input or the
   ///                               same as another output
   /// @throw vdbtools::CreateError
   vdbtools::AtomicFile& add(const std::string& option, const std::string& name, std::string_view extensions);
+  /// The same with the formats of grids and meshes of which @a fact is true.
+  vdbtools::AtomicFile& add(const std::string& option, const std::string& name, bool vdbtools::FileFormat::*fact);
 
   /// Commits all files and records them in report().
   /// @param isAll  whether the command makes no further files; see workIsDone()
@@ -53,10 +56,9 @@ void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, st
                         std::span<const int> frames);
 
 /// The help on a mesh to write.
-inline constexpr const char* kMeshHelp =
-    "the mesh to write: .ply, .obj, .stl or .glb; - is a PLY on the standard output, -.obj an OBJ";
+std::string meshHelp();
 
-/// Whether an output's name means the standard output, "-" or "-.ply" and "-.obj".
+/// Whether an output's name is that of the standard output: "-", or "-" and the extension of a format for pipes.
 bool isStandardOutput(const std::string& name);
 
 /// The extension that determines the format of @a name: ".ply" for "-", and @a usual for a device, which has none.

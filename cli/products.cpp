@@ -10,7 +10,7 @@ namespace cli {
 
 std::set<vdbtools::Product> productsOf(const CommandLine& line) {
   std::vector<std::string> extensions;
-  if (line.has("output")) extensions.emplace_back(".vdb");
+  if (line.has("output")) extensions.push_back(formatOf(line.text("output"), ".vdb"));
   if (line.has("mesh")) extensions.push_back(formatOf(line.text("mesh"), ".ply"));
   return vdbtools::productsOf(extensions);
 }

@@ -55,10 +55,8 @@ void requireWritable(const vdbtools::VdbFile& vdb, const std::string& input) {
                                   "', which this program does not convert; make them again with 'juliavdb points'");
 }
 
-/// @param values  of a NanoVDB file; empty: a VDB is written
-void convertVdb(const CommandLine& line, const std::string& input, std::optional<vdbtools::NvdbValues> values,
-                const FrameRun& run) {
-  std::ostream& file = run.outputs.add("output", line.text("output"), kGridExtensions).stream();
+void convertVdb(const CommandLine& line, const std::string& input, const GridOutput& output, const FrameRun& run) {
+  std::ostream& file = run.outputs.add("output", line.text("output"), &vdbtools::FileFormat::writesGrids).stream();
   run.monitor.begin(vdbtools::PhaseKind::Reading, 0);
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
   std::vector<std::string> own;
@@ -66,13 +64,9 @@ void convertVdb(const CommandLine& line, const std::string& input, std::optional
   const vdbtools::GridNames names = vdbtools::parseGridNames(line.text("grid-names"), own);
   run.monitor.throwIfCancelled();
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
-  std::vector<vdbtools::NvdbWritten> written;
-  if (values) {
-    written = vdbtools::writeNvdb(file, vdbtools::renamed(vdb.grids, names), {.values = *values});
-  } else {
-    requireWritable(vdb, input);
-    file << vdbtools::encodeVdb(vdb.grids, writeOptions(vdb, names));
-  }
+  if (output.format->points) requireWritable(vdb, input);
+  const std::vector<vdbtools::NvdbWritten> written =
+      vdbtools::writeGrids(file, *output.format, vdb.grids, writeOptions(vdb, names), output.values);
   run.monitor.throwIfCancelled();
   run.outputs.commit(run.isLast);
   report().count("grids", vdb.grids.size());
@@ -98,11 +92,11 @@ int runConvert(const Arguments& arguments) {
   const std::string input = line.text("vdb");
   if (input.empty()) throw std::invalid_argument("no VDB was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.nvdb");
-  const std::optional<vdbtools::NvdbValues> values = nvdbValues(line);
-  if (!values && !line.has("grid-names") && vdbtools::isVdbPath(line.text("output")))
+  const GridOutput output = gridOutput(line);
+  if (!line.has("grid-names") && vdbtools::isVdbPath(line.text("output")))
     throw std::invalid_argument("a VDB with the same names would be the same; give --grid-names, or -o F.nvdb");
-  return runFrames(line, input, kOnlyOutput, [&line, values](const std::string& name) {
-    return FrameJob{{}, [&line, values, name](const FrameRun& run) { convertVdb(line, name, values, run); }};
+  return runFrames(line, input, kOnlyOutput, [&line, output](const std::string& name) {
+    return FrameJob{{}, [&line, output, name](const FrameRun& run) { convertVdb(line, name, output, run); }};
   });
 }
 

@@ -42,7 +42,9 @@ int runFit(const Arguments& arguments) {
       "a table of every accepted step: energies, IoU, distances, powers")(
       "plot", po::value<std::string>()->value_name("F.png"), "the same as a picture: .png, .svg or .exr")(
       "charge", po::value<std::string>()->value_name("F.ply"),
-      "the surface that roots are placed on, with its electrostatic charge as a grey: .ply, .obj or .glb");
+      ("the surface that roots are placed on, with its electrostatic charge as a grey: " +
+       vdbtools::extensionsOf(&vdbtools::FileFormat::writesColours))
+          .c_str());
   addUnitsOption(line);
   if (!line.parse(arguments)) return kDone;
   const vdbtools::fit::FitOptions options = vdbtools::fit::parseFitOptions(line.recipe());
@@ -62,7 +64,7 @@ int runFit(const Arguments& arguments) {
 
   const std::string charge = line.text("charge");
   std::ostream* const chargeFile =
-      line.has("charge") ? &outputs.add("charge", charge, ".ply .obj .glb").stream() : nullptr;
+      line.has("charge") ? &outputs.add("charge", charge, &vdbtools::FileFormat::writesColours).stream() : nullptr;
 
   const vdbtools::fit::FitResult fit = vdbtools::fit::runFit(options, reportFile != nullptr, line.progress());
   line.progress().begin(vdbtools::PhaseKind::Writing, 0);
@@ -74,7 +76,7 @@ int runFit(const Arguments& arguments) {
   if (plot) *plot << vdbtools::encodePlot(vdbtools::fit::fitReportPlot(fit.rows), formatOf(line.text("plot"), ".png"));
   if (chargeFile) {
     const vdbtools::fit::ChargedSurface surface = vdbtools::fit::chargedSurface(fit, line.progress());
-    vdbtools::MeshWriteOptions write{.format = vdbtools::meshFormat("charge" + formatOf(charge, ".ply")),
+    vdbtools::MeshWriteOptions write{.format = &vdbtools::meshFormat(formatOf(charge, ".ply")),
                                      .columns = surface.columns};
     if (unit) vdbtools::setUnit(write, *unit);
     vdbtools::writeMesh(*chargeFile, surface.mesh, write, surface.values);

@@ -135,15 +135,19 @@ bool tellWhatIsFiner(const vdbtools::Scene& scene) {
 /// @param saysFiner  whether to report what is finer than the voxels; set to false once that was reported
 FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const vdbtools::FractalOptions& options,
                           vdbtools::SceneMaker& maker, bool& saysFiner, vdbtools::Monitor& progress) {
-  const bool wantVdb = line.has("output"), wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
+  const bool wantMesh = line.has("mesh"), isFrame = run.frame && line.has("frames");
   Outputs outputs(line, vdbtools::inputsOf(options), run.frame);
-  vdbtools::AtomicFile* vdb = wantVdb ? &outputs.add("output", line.text("output"), kGridExtensions) : nullptr;
-  vdbtools::AtomicFile* mesh = wantMesh ? &outputs.add("mesh", line.text("mesh"), vdbtools::kMeshExtensions) : nullptr;
+  std::vector<vdbtools::NvdbWritten> nvdb;
+  const GridOutput grids = gridOutput(line);
+  vdbtools::FractalFiles files{.nvdb = grids.values, .nvdbReport = &nvdb};
+  if (line.has("output"))
+    files.files.push_back(
+        {&outputs.add("output", line.text("output"), &vdbtools::FileFormat::writesGrids), grids.format});
+  if (wantMesh)
+    files.files.push_back({&outputs.add("mesh", line.text("mesh"), &vdbtools::FileFormat::writesMesh),
+                           &vdbtools::meshFormat(formatOf(line.text("mesh"), ".ply"))});
 
   const vdbtools::Scene scene = maker.make(options, progress);
-  std::vector<vdbtools::NvdbWritten> nvdb;
-  vdbtools::FractalFiles files{.vdb = vdb, .nvdb = nvdbValues(line), .nvdbReport = &nvdb};
-  if (mesh) files.meshes = {{mesh, vdbtools::meshFormat("mesh" + formatOf(line.text("mesh"), ".ply"))}};
   const vdbtools::FractalResult result = vdbtools::writeFractal(scene, run.recipe, files, progress);
   outputs.commit(run.isLast);
 
@@ -176,8 +180,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const 
   report().text() << '\n';
   tellNvdb(nvdb);
   const std::vector<vdbtools::VertexColumn> columns = vdbtools::meshColumns(options.output.attributes);
-  for (const vdbtools::AtomicFile* file : {vdb, mesh})
-    if (file) noteLeftOut(file->target(), columns);
+  for (const vdbtools::FractalFile& file : files.files) noteLeftOut(file.file->target(), columns);
   if (scene.target)
     if (const std::vector<std::string> unused = vdbtools::unusedParts(scene.target->parts, line.recipe());
         !unused.empty())
@@ -231,8 +234,8 @@ int makeFrames(const CommandLine& line) {
 
 int runFractalCommand(const Arguments& arguments) {
   CommandLine line(kFractalUsage, vdbtools::fractalOptionTable());
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
-      "mesh", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), gridsHelp().c_str())(
+      "mesh", po::value<std::string>()->value_name("F.ply"), meshHelp().c_str())(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   addNvdbOption(line);
   addSequenceOptions(line);
@@ -242,7 +245,7 @@ int runFractalCommand(const Arguments& arguments) {
   vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
   if (!line.has("output") && !line.has("mesh"))
     throw std::invalid_argument("no output was given; use -o F.vdb, --mesh F.ply, or both");
-  nvdbValues(line);
+  gridOutput(line);
   requireSequenceFits(line);
   if (line.has("frames")) return makeFrames(line);
   line.requireEffect(productsOf(line));

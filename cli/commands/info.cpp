@@ -39,8 +39,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr Usage kInfoUsage = {
     "info", "FILE... [--json]",
-    "Shows what is in a mesh (.obj, .ply, .stl, .off, .3mf, .glb, .gltf), in a VDB, with the recipe it was made by, "
-    "in a NanoVDB file (.nvdb), all of whose checksums and places of nodes are checked, in a versor (.json, .p4d, "
+    "Shows what is in a mesh of any format that is read, in a VDB, with the recipe it was made by, in a NanoVDB file "
+    "(.nvdb), all of whose checksums and places of nodes are checked, in a versor (.json, .p4d, "
     ".poly4d, .o3d), or in a recipe (.json). A file that cannot be read does not keep the others from being shown. A "
     "mesh may come through a pipe, with - for its name.",
     "  juliavdb info bunny.obj\n"
@@ -119,7 +119,7 @@ Json surfaceInfo(const std::string& path) {
             {"area", report.area},
             {"volume", report.volume}};
   addParts(mesh, path, info);
-  const Json recipe = recipeOf(vdbtools::readMeshComments(path));
+  const Json recipe = recipeOf(vdbtools::readMeshTexts(path));
   // A fractal of this program is seldom a target again, and finding its thickness would take long.
   if (report.closed()) addSolidInfo(mesh, report, recipe.is_null(), info);
   if (!recipe.is_null()) info["recipe"] = recipe;
@@ -242,7 +242,7 @@ Json recipeInfo(const std::string& path) {
 Json infoOf(const std::string& path) {
   const std::string extension = vdbtools::lowerExtension(path);
   if (vdbtools::isRecipeFile(path)) return recipeInfo(path);
-  if (extension == ".vdb") return vdbInfo(path);
+  if (vdbtools::isVdbPath(path)) return vdbInfo(path);
   if (vdbtools::isNvdbPath(path)) return nvdbInfo(path);
   for (const char* versor : {".json", ".p4d", ".poly4d", ".o3d"})
     if (extension == versor) return versorInfo(path);

@@ -65,9 +65,9 @@ int runMerge(const Arguments& arguments) {
   report().text() << '\n';
   const std::vector<vdbtools::VertexColumn> columns =
       vdbtools::meshColumns(vdbtools::parseFractalOptions(manifest.recipe).output.attributes);
-  for (const std::optional<std::filesystem::path>& file : {options.vdb, options.mesh})
+  for (const std::optional<std::filesystem::path>& file : {options.grids, options.mesh})
     if (file) noteLeftOut(*file, columns);
-  const std::size_t meshes = result.files.size() - (options.vdb ? 1 : 0);
+  const std::size_t meshes = result.files.size() - (options.grids ? 1 : 0);
   if (options.mesh && meshes > 1)
     report().text() << "note: the mesh has more than " << options.mostPoints << " points and is in " << meshes
                     << " files; neighbours share the points of the layer where it was cut\n";

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "merge_request.h"
 
-#include "output.h"
+#include "grid_file.h"
 
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 namespace po = boost::program_options;
@@ -19,10 +17,15 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMostPoints = "most-points";
 
-fs::path nameWith(const CommandLine& line, const char* option, std::string_view extensions) {
-  const std::string extension = vdbtools::lowerExtension(line.text(option));
-  if (extension.empty() || (' ' + std::string(extensions) + ' ').find(' ' + extension + ' ') == std::string::npos)
-    line.refuse(option, "a name that ends in one of " + std::string(extensions));
+fs::path nameWith(const CommandLine& line, const char* option, bool vdbtools::FileFormat::*fact) {
+  const vdbtools::FileFormat* const format = vdbtools::findFormat(line.text(option));
+  if (!format || !(format->*fact)) line.refuse(option, "a name that ends in " + vdbtools::extensionsOf(fact));
+  vdbtools::requireBuilt(*format);
+  return line.text(option);
+}
+
+fs::path jsonName(const CommandLine& line, const char* option) {
+  if (vdbtools::lowerExtension(line.text(option)) != ".json") line.refuse(option, "a name that ends in .json");
   return line.text(option);
 }
 
@@ -30,8 +33,9 @@ fs::path nameWith(const CommandLine& line, const char* option, std::string_view 
 
 void addMergeOptions(CommandLine& line) {
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
-  line.addOptions()("output,o", text("F.vdb"), "the VDB to merge the tiles into")(
-      "mesh", text("F.ply"), "the mesh to write: .ply, .obj, .stl or .glb")(
+  line.addOptions()("output,o", text("F.vdb"), gridsHelp().c_str())(
+      "mesh", text("F.ply"),
+      ("the mesh to write: " + vdbtools::extensionsOf(&vdbtools::FileFormat::writesMesh)).c_str())(
       "index", text("F.json"), "writes each tile as files of its own, and this list of them")(
       "counts", text("F.json"), "of a plan with --make count: how many points and triangles there are")(
       kMostPoints, text("N")->default_value(std::to_string(vdbtools::farm::kMostMeshPoints)),
@@ -41,13 +45,13 @@ void addMergeOptions(CommandLine& line) {
 MergeRequest parseMergeRequest(const CommandLine& line) {
   MergeRequest request{
       .files = {.mostPoints = line.integer<std::uint64_t>(kMostPoints, 3, vdbtools::farm::kMostMeshPoints)}};
-  if (line.has("output")) request.files.vdb = nameWith(line, "output", ".vdb");
-  if (line.has("mesh")) request.files.mesh = nameWith(line, "mesh", vdbtools::kMeshExtensions);
-  if (line.has("index")) request.index = nameWith(line, "index", ".json");
-  if (line.has("counts")) request.counts = nameWith(line, "counts", ".json");
-  if (request.counts && (request.index || request.files.vdb || request.files.mesh))
+  if (line.has("output")) request.files.grids = nameWith(line, "output", &vdbtools::FileFormat::writesGrids);
+  if (line.has("mesh")) request.files.mesh = nameWith(line, "mesh", &vdbtools::FileFormat::writesMesh);
+  if (line.has("index")) request.index = jsonName(line, "index");
+  if (line.has("counts")) request.counts = jsonName(line, "counts");
+  if (request.counts && (request.index || request.files.grids || request.files.mesh))
     throw std::invalid_argument("--counts adds up the tiles of a plan that keeps nothing else; give it alone");
-  if (request.index && (request.files.vdb || request.files.mesh))
+  if (request.index && (request.files.grids || request.files.mesh))
     throw std::invalid_argument("--index writes the tiles as files of their own; give it without -o and --mesh");
   if (!request.files.mesh && !line.values()[kMostPoints].defaulted())
     throw std::invalid_argument("--most-points says where a mesh is cut into several files; give it with --mesh");

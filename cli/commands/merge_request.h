@@ -20,7 +20,7 @@ struct MergeRequest {
       index;  ///< instead of these: the tiles as files of their own, and this list of them
   std::optional<std::filesystem::path> counts;  ///< instead, for a plan that counts: the sums
 
-  bool empty() const { return !index && !counts && !files.vdb && !files.mesh; }
+  bool empty() const { return !index && !counts && !files.grids && !files.mesh; }
 };
 
 /// -o, --mesh, --index, --counts and --most-points.

@@ -58,14 +58,14 @@ MeshRecipe recipeFor(const CommandLine& line, const std::string& vdb, const vdbt
   return {isTheSame ? recorded : other, found};
 }
 
-vdbtools::MeshCounts meshFromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFile& file, vdbtools::MeshFormat format,
-                                    vdbtools::Monitor& progress) {
+vdbtools::MeshCounts meshFromRecipe(const MeshRecipe& recipe, vdbtools::AtomicFile& file,
+                                    const vdbtools::FileFormat& format, vdbtools::Monitor& progress) {
   const vdbtools::Scene scene = vdbtools::makeScene(vdbtools::parseFractalOptions(recipe.found), progress);
-  return vdbtools::writeFractal(scene, recipe.recorded, {.meshes = {{&file, format}}}, progress).mesh;
+  return vdbtools::writeFractal(scene, recipe.recorded, {.files = {{&file, &format}}}, progress).mesh;
 }
 
 vdbtools::MeshCounts meshFromGrid(const std::string& input, const CommandLine& line, vdbtools::AtomicFile& file,
-                                  vdbtools::MeshFormat format, double adaptivity,
+                                  const vdbtools::FileFormat& format, double adaptivity,
                                   std::optional<vdbtools::LengthUnit> unit, vdbtools::Monitor& progress) {
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
   const auto levelSet = vdbtools::chooseFloatGrid(vdb, line.text("grid"), input);
@@ -109,8 +109,8 @@ FrameJob meshJob(const CommandLine& line, const std::string& input, const vdbtoo
   FrameJob job;
   if (isFractal) job.inputs = vdbtools::inputsOf(vdbtools::parseFractalOptions(recipe.found));
   job.make = [&line, input, recipe, isFractal, adaptivity, unit](const FrameRun& run) {
-    vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), vdbtools::kMeshExtensions);
-    const vdbtools::MeshFormat format = vdbtools::meshFormat("mesh" + formatOf(line.text("output"), ".ply"));
+    vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), &vdbtools::FileFormat::writesMesh);
+    const vdbtools::FileFormat& format = vdbtools::meshFormat(formatOf(line.text("output"), ".ply"));
     const vdbtools::MeshCounts counts = isFractal
                                             ? meshFromRecipe(recipe, file, format, run.monitor)
                                             : meshFromGrid(input, line, file, format, adaptivity, unit, run.monitor);
@@ -131,7 +131,7 @@ FrameJob meshJob(const CommandLine& line, const std::string& input, const vdbtoo
 int runMesh(const Arguments& arguments) {
   CommandLine line(kMeshUsage, vdbtools::OptionTable());
   line.addPositional("vdb", 1, "the VDB");
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), kMeshHelp)(
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.ply"), meshHelp().c_str())(
       "input", po::value<std::string>()->value_name("FILE"),
       "where the fractal's target is, if it is neither where the recipe says nor beside the VDB")(
       "from-grid", "use the voxels, even of a fractal")("grid", po::value<std::string>()->value_name("NAME"),

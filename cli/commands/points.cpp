@@ -45,7 +45,9 @@ constexpr Usage kPointsUsage = {
 
 std::vector<vdbtools::OptionSpec> pointsOptionSpecs() {
   return {
-      {.name = "output", .argument = "P.ply", .help = "the points to write: .ply or .vdb"},
+      {.name = "output",
+       .argument = "P.ply",
+       .help = "the points to write: " + vdbtools::extensionsOf(&vdbtools::FileFormat::points)},
       {.name = "points", .argument = "N", .help = "how many points, exactly", .alternative = "spacing"},
       {.name = "spacing",
        .argument = "S",
@@ -106,15 +108,10 @@ Made pointsFromShape(const std::string& input, const std::string& grid, const vd
   return {vdbtools::meshPoints(vdbtools::meshOfLevelSet(*levelSet, progress), options, progress), {}, 0};
 }
 
-bool mayHoldRecipe(const std::string& input) {
-  const std::string extension = vdbtools::meshExtension(input);
-  return extension == ".vdb" || extension == ".ply" || extension == ".obj";
-}
-
 void writePoints(const CommandLine& line, const Made& made, const FrameRun& run, vdbtools::AtomicFile& file) {
   const vdbtools::OrientedPoints& points = made.points;
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
-  if (formatOf(line.text("output"), ".ply") == ".vdb") {
+  if (vdbtools::isVdbPath(line.text("output"))) {
     const double spacing = points.spacing > 0 ? points.spacing : points.reach > 0 ? points.reach : 1;
     // The points themselves are rotated, because the transform of a grid would not rotate normals.
     vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(made.axes, made.metadata);
@@ -124,7 +121,8 @@ void writePoints(const CommandLine& line, const Made& made, const FrameRun& run,
     write.turn = {};
     file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(turned.batch(), turned.columns, spacing)}, write);
   } else {
-    vdbtools::MeshWriteOptions write = vdbtools::meshWriteOptions(vdbtools::MeshFormat::Ply, made.axes, made.metadata);
+    vdbtools::MeshWriteOptions write =
+        vdbtools::meshWriteOptions(vdbtools::meshFormat(".ply"), made.axes, made.metadata);
     write.voxelSize = points.spacing;
     write.columns = points.columns;
     // A PLY of points contains no recipe, only the unit.
@@ -156,8 +154,9 @@ FrameJob pointsJob(const CommandLine& line, const std::string& input, const vdbt
                   "it chooses a grid of a VDB, and the input is a mesh; leave it out");
   const std::optional<vdbtools::LengthUnit> unit = unitOf(line, input);
   vdbtools::RecordedRecipe recorded;
-  if (!line.has("from-grid") && !line.has("grid") && mayHoldRecipe(input))
-    recorded = vdbtools::readRecordedRecipe(input);
+  if (!line.has("from-grid") && !line.has("grid"))
+    if (const vdbtools::FileFormat* const format = vdbtools::formatOfInput(input); format && format->isMadeAgain())
+      recorded = vdbtools::readRecordedRecipe(input);
   const vdbtools::Recipe asked = line.given(attributeTable());
   if (recorded.command != "fractal" && !asked.empty())
     throw std::invalid_argument("--" + asked.begin()->first + " is for a fractal with its recipe; points of '" + input +
@@ -175,7 +174,7 @@ FrameJob pointsJob(const CommandLine& line, const std::string& input, const vdbt
   FrameJob job;
   if (fractal) job.inputs = vdbtools::inputsOf(*fractal);
   job.make = [&line, &options, input, recipe, fractal, unit](const FrameRun& run) {
-    vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), ".ply .vdb");
+    vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), &vdbtools::FileFormat::points);
     Made made = fractal ? pointsFromRecipe(recipe, *fractal, options, run.monitor)
                         : pointsFromShape(input, line.text("grid"), options, run.monitor);
     if (!fractal) made.axes.unit = unit;

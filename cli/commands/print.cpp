@@ -44,7 +44,9 @@ constexpr Usage kPrintUsage = {
 
 std::vector<vdbtools::OptionSpec> printOptionSpecs() {
   return {
-      {.name = "output", .argument = "PART.stl", .help = "the part to write: .stl, .3mf, .ply or .obj"},
+      {.name = "output",
+       .argument = "PART.stl",
+       .help = "the part to write: " + vdbtools::extensionsOf(&vdbtools::FileFormat::printed)},
       {.name = "longest-side",
        .argument = "MM",
        .help = "the longest side of the part, in millimetres",
@@ -110,9 +112,9 @@ vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtool
 
 /// The fractal whose recipe the input contains, if it is to be computed again.
 std::optional<vdbtools::FractalOptions> recordedFractal(const CommandLine& line, const std::string& input) {
-  const std::string extension = vdbtools::meshExtension(input);
-  const bool plain = line.has("from-grid") || line.has("grid") || line.has("repair");
-  if (plain || (extension != ".vdb" && extension != ".ply" && extension != ".obj")) return std::nullopt;
+  if (line.has("from-grid") || line.has("grid") || line.has("repair")) return std::nullopt;
+  if (const vdbtools::FileFormat* const format = vdbtools::formatOfInput(input); !format || !format->isMadeAgain())
+    return std::nullopt;
   const vdbtools::RecordedRecipe recorded = vdbtools::readRecordedRecipe(input);
   if (recorded.command != "fractal") return std::nullopt;
   vdbtools::FractalOptions options = vdbtools::parseFractalOptions(recorded.recipe);
@@ -126,8 +128,7 @@ vdbtools::UpAxis upOf(const CommandLine& line, const std::string& input,
   using vdbtools::UpAxis;
   if (line.has("target-up")) return line.choice<UpAxis>("target-up", {{"y", UpAxis::Y}, {"z", UpAxis::Z}});
   if (fractal) return fractal->output.axes.target;
-  return vdbtools::recordedUpAxis(vdbtools::isVdbPath(input) ? vdbtools::readVdbMetadata(input)
-                                                             : vdbtools::readMeshComments(input));
+  return vdbtools::recordedUpAxis(vdbtools::readFileTexts(input));
 }
 
 /// Refuses options that have no effect on a part made from this input.
@@ -142,8 +143,7 @@ void requirePartFits(const CommandLine& line, const std::string& input, const vd
 /// The shape as a closed mesh.
 vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std::uint64_t resolution,
                          vdbtools::Monitor& progress) {
-  const std::string extension = vdbtools::lowerExtension(input);
-  if (extension == ".vdb") {
+  if (vdbtools::isVdbPath(input)) {
     const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
     return vdbtools::meshOfLevelSet(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), progress);
   }
@@ -194,21 +194,16 @@ void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& o
 /// @param fractal  if set, its surface is computed again
 void makePart(const CommandLine& line, const std::string& input, const std::optional<vdbtools::FractalOptions>& fractal,
               const vdbtools::PrintOptions& options, std::optional<vdbtools::LengthUnit> unit,
-              const std::string& format, const FrameRun& run) {
-  vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), ".stl .3mf .ply .obj");
+              const vdbtools::FileFormat& format, const FrameRun& run) {
+  vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), &vdbtools::FileFormat::printed);
   const vdbtools::PrintedPart part =
       vdbtools::printedPart(fractal ? vdbtools::fractalMesh(vdbtools::makeScene(*fractal, run.monitor), run.monitor)
                                     : readShape(line, input, options.resolution, run.monitor),
                             options, run.monitor);
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
-  if (format == ".3mf") {
-    file.stream() << vdbtools::encode3mf(part.mesh);
-  } else {
-    vdbtools::MeshWriteOptions write;
-    write.format = vdbtools::meshFormat("part" + format);
-    if (unit) vdbtools::setUnit(write, vdbtools::LengthUnit::Millimetre);
-    vdbtools::writeMesh(file.stream(), part.mesh, write);
-  }
+  vdbtools::MeshWriteOptions write{.format = &format};
+  if (unit) vdbtools::setUnit(write, vdbtools::LengthUnit::Millimetre);
+  vdbtools::writeMesh(file.stream(), part.mesh, write);
   run.monitor.throwIfCancelled();
   run.outputs.commit(run.isLast);
 
@@ -242,9 +237,10 @@ int runPrint(const Arguments& arguments) {
   const std::string input = line.text("input");
   if (input.empty()) throw std::invalid_argument("no VDB or mesh was given");
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o PART.stl");
-  const std::string format = vdbtools::lowerCase(formatOf(line.text("output"), ".stl"));
-  if (format == ".3mf" && !vdbtools::canWrite3mf())
-    vdbtools::encode3mf({});  // throws the error for a build without 3MF
+  // Outputs refuse a name of another format.
+  const vdbtools::FileFormat* const named = vdbtools::findFormat(formatOf(line.text("output"), ".stl"));
+  const vdbtools::FileFormat& format = named && named->printed ? *named : vdbtools::meshFormat(".stl");
+  vdbtools::requireBuilt(format);
   return runFrames(line, input, kOnlyOutput, [&](const std::string& name) {
     const std::optional<vdbtools::LengthUnit> unit = unitOf(line, name);
     vdbtools::PrintOptions options = parsePrint(line, unit);

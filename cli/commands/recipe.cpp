@@ -34,7 +34,9 @@ int runRecipe(const Arguments& arguments) {
   line.addOptions()("output,o", po::value<std::string>()->value_name("R.json"), "the recipe to write");
   if (!line.parse(arguments)) return kDone;
   const std::string file = line.text("made");
-  if (file.empty()) throw std::invalid_argument("no file was given; name a VDB, PLY, OBJ or GLB that juliavdb made");
+  if (file.empty())
+    throw std::invalid_argument("no file was given; name a " + vdbtools::namesOf(&vdbtools::FileFormat::recipe) +
+                                " that juliavdb made");
   const vdbtools::RecordedRecipe recorded = vdbtools::readRecordedRecipe(file);
   if (recorded.command.empty()) throw vdbtools::DataError(vdbtools::noRecipeText(file));
   const std::string text = vdbtools::encodeRecipe(recorded);

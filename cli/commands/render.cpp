@@ -328,7 +328,7 @@ int renderSurface(const CommandLine& line) {
       vdbName = shot.input;
     }
     options.up = view.upAxis ? *view.upAxis
-                             : vdbtools::recordedUpAxis(mesh ? vdbtools::readMeshComments(shot.input) : vdb->metadata);
+                             : vdbtools::recordedUpAxis(mesh ? vdbtools::readMeshTexts(shot.input) : vdb->metadata);
     return Picture{mesh ? imageOfMesh(line, shot.input, options, monitor)
                         : vdbtools::renderPreview(*vdbtools::chooseFloatGrid(*vdb, line.text("grid"), shot.input),
                                                   options, monitor),

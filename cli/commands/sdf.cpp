@@ -40,8 +40,8 @@ constexpr Usage kSdfUsage = {
 /// Writes the distances of one mesh. @param recipe  the recipe to record
 void writeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const FrameRun& run) {
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(recipe);
-  const std::optional<vdbtools::NvdbValues> nvdb = nvdbValues(line);
-  std::ostream& file = run.outputs.add("output", line.text("output"), kGridExtensions).stream();
+  const GridOutput output = gridOutput(line);
+  std::ostream& file = run.outputs.add("output", line.text("output"), &vdbtools::FileFormat::writesGrids).stream();
 
   vdbtools::SdfResult result = vdbtools::runSdf(options, run.monitor);
   std::map<std::string, std::string> metadata = vdbtools::recipeToMetadata(recipe, "sdf");
@@ -50,12 +50,8 @@ void writeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const Fra
   write.half = options.half;
   write.names = options.gridNames;
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
-  std::vector<vdbtools::NvdbWritten> written;
-  if (nvdb)
-    written =
-        vdbtools::writeNvdb(file, vdbtools::renamed({result.grid}, write.names), {.values = *nvdb, .turn = write.turn});
-  else
-    file << vdbtools::encodeVdb({result.grid}, write);
+  const std::vector<vdbtools::NvdbWritten> written =
+      vdbtools::writeGrids(file, *output.format, {result.grid}, write, output.values);
   run.monitor.throwIfCancelled();
   run.outputs.commit(run.isLast);
   report().count("voxels", result.grid->activeVoxelCount());
@@ -79,7 +75,7 @@ void writeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const Fra
 
 int runSdf(const Arguments& arguments) {
   CommandLine line(kSdfUsage, vdbtools::sdfOptionTable());
-  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), kGridsHelp)(
+  line.addOptions()("output,o", po::value<std::string>()->value_name("F.vdb"), gridsHelp().c_str())(
       "frame", po::value<std::string>()->value_name("N"), "the frame number, for names such as name.####.vdb");
   addNvdbOption(line);
   addFramesOption(line);
@@ -88,7 +84,7 @@ int runSdf(const Arguments& arguments) {
   const vdbtools::SdfOptions options = vdbtools::parseSdfOptions(line.recipe());
   line.requireEffect({vdbtools::Product::Vdb});
   if (!line.has("output")) throw std::invalid_argument("no output was given; use -o F.vdb");
-  nvdbValues(line);
+  gridOutput(line);
   return runFrames(line, options.input, kOnlyOutput, [&](const std::string& input) {
     vdbtools::Recipe recipe = line.recipe();
     recipe["input"] = input;

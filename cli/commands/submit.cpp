@@ -403,7 +403,7 @@ int runSubmit(const Arguments& arguments) {
     if (jobTemplate) {
       vdbtools::InputFiles inputs;
       inputs.add(line.text("template"));
-      for (const auto& output : {merge.files.vdb, merge.files.mesh, merge.index, merge.counts})
+      for (const auto& output : {merge.files.grids, merge.files.mesh, merge.index, merge.counts})
         if (output) inputs.requireNot(*output);
     }
     submission.merge = mergeWords(line);

@@ -105,7 +105,8 @@ def fit(vertices=None, faces=None, *, progress=None, memory=None, **options):
 
 
 def _write(self, *paths, progress=None):
-    """Writes files that all appear together, whole or not at all: .vdb, .ply, .obj, .stl or .glb, by their extensions.
+    """Writes files that all appear together, whole or not at all. Their extensions say what they hold, as in the command: grids
+    (-o, such as .vdb and .nvdb) or the mesh (--mesh, such as .ply and .glb).
 
     Where the target was a file, they have the same bytes as those that the command writes.
     """

@@ -60,7 +60,7 @@ class Grid:
         return self._grid.sample(points)
 
     def write(self, path):
-        """Writes a VDB, whole or not at all."""
+        """Writes a file of the grid, whole or not at all: a VDB, or by its extension another format of grids, such as .nvdb."""
         self._grid.write(os.fspath(path))
 
     def to_pyopenvdb(self):

@@ -6,7 +6,7 @@
 #include "watched_work.h"
 
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/job/sdf_job.h"
 
 #include <openvdb/tools/Dense.h>
@@ -124,11 +124,11 @@ py::array_t<double> sampleOf(const MadeGrid& made, const py::object& points) {
 
 void writeGrid(const MadeGrid& made, const std::string& path) {
   const py::gil_scoped_release free;
-  if (!vdbtools::isVdbPath(path))
-    throw std::invalid_argument("the file to write is '" + path + "'; its extension must be .vdb");
+  const vdbtools::FileFormat& format = vdbtools::gridFormat(path);
+  vdbtools::requireBuilt(format);
   vdbtools::OutputFiles files(made.inputs);
   std::ostream& file = files.add(path).stream();
-  file << vdbtools::encodeVdb({made.grid}, {.metadata = made.metadata});
+  vdbtools::writeGrids(file, format, {made.grid}, {.metadata = made.metadata});
   files.commit();
 }
 

@@ -92,13 +92,6 @@ std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, 
 
 namespace {
 
-/// @param known  separated by spaces @throw std::invalid_argument
-void requireExtension(const std::string& path, const std::string& known) {
-  const std::vector<std::string> extensions = vdbtools::split(known, ' ');
-  if (std::find(extensions.begin(), extensions.end(), vdbtools::lowerExtension(path)) == extensions.end())
-    throw std::invalid_argument("the file to write is '" + path + "'; its extension must be one of " + known);
-}
-
 /// The grids that files contain besides the mesh. @throw vdbtools::Interrupted
 std::shared_ptr<const vdbtools::FractalResult> withGrids(MadeFractal& fractal, Monitor& monitor) {
   const auto lock = lockPatiently(fractal.gridsMutex, monitor);
@@ -117,17 +110,21 @@ std::shared_ptr<const vdbtools::FractalResult> withGrids(MadeFractal& fractal, M
 }  // namespace
 
 void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Monitor& monitor) {
-  for (const std::string& path : paths) requireExtension(path, std::string(".vdb ") + vdbtools::kMeshExtensions);
+  for (const std::string& path : paths) {
+    const vdbtools::FileFormat* const format = vdbtools::findFormat(path);
+    if (!format || !(format->writesGrids || format->writesMesh))
+      throw std::invalid_argument("the file to write is '" + path + "'; its extension must be one of " +
+                                  vdbtools::extensionsOf(&vdbtools::FileFormat::writesGrids) + " for grids, " +
+                                  vdbtools::extensionsOf(&vdbtools::FileFormat::writesMesh) + " for the mesh");
+    vdbtools::requireBuilt(*format);
+  }
   vdbtools::OutputFiles files(vdbtools::withRecordedFiles(fractal.made->inputs));
   vdbtools::FractalFiles wanted;
   for (const std::string& path : paths) {
-    vdbtools::AtomicFile& file = files.add(path);
-    if (vdbtools::lowerExtension(path) != ".vdb")
-      wanted.meshes.push_back({&file, vdbtools::meshFormat(path)});
-    else if (std::exchange(wanted.vdb, &file))
-      throw std::invalid_argument("two VDB files were given; write them one after the other");
+    wanted.files.push_back({&files.add(path), vdbtools::findFormat(path)});
   }
-  const std::shared_ptr<const vdbtools::FractalResult> grids = wanted.vdb ? withGrids(fractal, monitor) : nullptr;
+  const std::shared_ptr<const vdbtools::FractalResult> grids =
+      wanted.wantGrids() ? withGrids(fractal, monitor) : nullptr;
   vdbtools::writeMadeFractal(fractal.made->scene, fractal.made->recipe, grids ? *grids : fractal.result, fractal.mesh,
                              fractal.values, wanted, monitor);
   files.commit();
@@ -146,11 +143,13 @@ std::shared_ptr<MadeFit> makeFit(const Recipe& given, std::shared_ptr<const vdbt
 }
 
 void writeFit(const MadeFit& fit, const std::string& path, Monitor& monitor) {
-  requireExtension(path, ".json .o3d");
+  const std::string extension = vdbtools::lowerExtension(path);
+  if (extension != ".json" && extension != ".o3d")
+    throw std::invalid_argument("the file to write is '" + path + "'; its extension must be .json or .o3d");
   vdbtools::OutputFiles files(vdbtools::withRecordedFiles(fit.inputs));
   std::ostream& file = files.add(path).stream();
   monitor.begin(vdbtools::PhaseKind::Writing, 0);
-  const bool json = vdbtools::lowerExtension(path) == ".json";
+  const bool json = extension == ".json";
   file << (json ? vdbtools::fit::fitToJson(fit.result, fit.recipe) : vdbtools::fit::fitToO3d(fit.result, monitor));
   monitor.throwIfCancelled();
   files.commit();

@@ -71,6 +71,21 @@ class NanoVdb(harness.CliTest):
                     for a, b in zip(grid.transform.indexToWorld(at), theirs[name].transform.indexToWorld(at)):
                         self.assertAlmostEqual(a, b, 12)
 
+    def test_farms_write_it(self):
+        """Tiles that are merged and frames have the bytes of one run."""
+        words = ("t.obj", *LOW, "--iterations", 3, "--grids", "surface,density")
+        self.ok("fractal", *words, "-o", "one.nvdb", "--mesh", "one.ply")
+        self.ok("plan", "tiles", *words, "-o", "tiles", "--tiles", 2, "--make", "nvdb,ply")
+        self.ok("task", "tiles", "--range", "1-2")
+        self.refused(USAGE, "merge", "tiles", "-o", "m.ply", mentions=(".vdb", ".nvdb"))
+        self.ok("merge", "tiles", "-o", "m.nvdb", "--mesh", "m.ply")
+        self.ok("plan", "frames", *words, "--frames", "1", "-o", "frames", "--make", "nvdb,vdb,ply", "--name", "f")
+        self.ok("task", "frames", "--index", 1)
+        self.ok("convert", "frames/out/f.0001.vdb", "-o", "frame.nvdb")
+        for name in ("m.nvdb", "frames/out/f.0001.nvdb", "frame.nvdb"):
+            self.assertEqual(self.bytes(name), self.bytes("one.nvdb"), name)
+        self.assertEqual(self.bytes("m.ply"), self.bytes("one.ply"))
+
     def test_how_far_values_are_off_is_said(self):
         self.ok("sdf", "t.obj", "-o", "t.vdb", "--resolution", 40)
         exact, = self.grids("t.vdb").values()

@@ -75,7 +75,7 @@ class HostilePlan : public testing::Test {
  protected:
   HostilePlan() {
     std::ostringstream stream;
-    writeMesh(stream, test_meshes::makeSphere(1, 2), {.format = MeshFormat::Obj});
+    writeMesh(stream, test_meshes::makeSphere(1, 2), {.format = &meshFormat(".obj")});
     mBase = {{"input", mFolder.write("ball.obj", stream.str()).string()},
              {"sdf-resolution", "10"},
              {"resolution", "8"},
@@ -108,7 +108,7 @@ class HostilePlan : public testing::Test {
     const Manifest manifest = readManifest(folder);
     for (std::uint64_t index = 1; index <= manifest.tasks.size(); ++index)
       taskStatus(folder, manifest, index, FileCheck::Quick);
-    const MergeOptions merged{.vdb = mFolder.path() / "m.vdb", .mesh = mFolder.path() / "m.ply"};
+    const MergeOptions merged{.grids = mFolder.path() / "m.vdb", .mesh = mFolder.path() / "m.ply"};
     const bool isMerged = manifest.kind == PlanKind::Tiles;
     if (isMerged && makes(manifest, "vdb") && makes(manifest, "ply")) requireMergeable(folder, manifest, merged);
     TaskRunner runner(folder);

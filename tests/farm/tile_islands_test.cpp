@@ -51,7 +51,7 @@ class TilesOfIslands : public testing::Test {
 
   std::string written(const std::string& name, const Mesh& mesh) {
     std::ostringstream stream;
-    writeMesh(stream, mesh, {.format = MeshFormat::Obj});
+    writeMesh(stream, mesh, {.format = &meshFormat(".obj")});
     return mFolder.write(name, stream.str()).string();
   }
 
@@ -77,7 +77,8 @@ class TilesOfIslands : public testing::Test {
   FractalResult makeOneRun(const Recipe& recipe) {
     AtomicFile vdb(inFolder("one.vdb")), mesh(inFolder("one.ply"));
     const Scene scene = makeScene(parseFractalOptions(recipe), mMonitor);
-    FractalResult result = writeFractal(scene, recipe, {.vdb = &vdb, .meshes = {{&mesh, MeshFormat::Ply}}}, mMonitor);
+    FractalResult result =
+        writeFractal(scene, recipe, {.files = {{&vdb, findFormat(".vdb")}, {&mesh, findFormat(".ply")}}}, mMonitor);
     vdb.commit();
     mesh.commit();
     return result;
@@ -97,8 +98,8 @@ class TilesOfIslands : public testing::Test {
       SCOPED_TRACE(cut.tiles ? "tiles " + std::to_string(*cut.tiles) : "nodes " + std::to_string(*cut.tileNodes));
       cut.makes = {"vdb", "ply"};
       const fs::path folder = made(recipe, cut);
-      const MergeResult result =
-          mergePlan(folder, readManifest(folder), {.vdb = inFolder("all.vdb"), .mesh = inFolder("all.ply")}, mMonitor);
+      const MergeResult result = mergePlan(folder, readManifest(folder),
+                                           {.grids = inFolder("all.vdb"), .mesh = inFolder("all.ply")}, mMonitor);
       EXPECT_EQ(result.islands->islands, one.islands);
       EXPECT_EQ(result.islands->keptIslands, one.keptIslands);
       EXPECT_EQ(result.islands->droppedNodes, one.droppedNodes);
@@ -223,7 +224,7 @@ TEST_F(TilesOfIslands, WhereNothingIsLeftTheErrorIsThatOfOneRun) {
   EXPECT_NE(one.find("no island is left"), std::string::npos) << one;
   const fs::path folder = made(recipe, {.tiles = 4, .makes = {"vdb", "ply"}});
   EXPECT_EQ(textOf([&] { mergePlan(folder, readManifest(folder), {.mesh = inFolder("all.ply")}, mMonitor); }), one);
-  EXPECT_EQ(textOf([&] { mergePlan(folder, readManifest(folder), {.vdb = inFolder("all.vdb")}, mMonitor); }), one);
+  EXPECT_EQ(textOf([&] { mergePlan(folder, readManifest(folder), {.grids = inFolder("all.vdb")}, mMonitor); }), one);
   EXPECT_FALSE(fs::exists(inFolder("all.ply")));
   EXPECT_THROW(writeTileFiles(folder, readManifest(folder), inFolder("pieces.json"), mMonitor), std::invalid_argument);
 }

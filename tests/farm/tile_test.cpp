@@ -47,7 +47,7 @@ class Tiles : public testing::Test {
     const Mesh body = test_meshes::transformed(test_meshes::makeSphere(1, 3), 1, Vec3d(0.31, -0.17, 0.23));
     Mesh arm = test_meshes::makeBox(Vec3d(0.9, -0.4, 0.1), Vec3d(2.1, -0.1, 0.35));
     std::ostringstream stream;
-    writeMesh(stream, test_meshes::merged(body, arm), {.format = MeshFormat::Obj});
+    writeMesh(stream, test_meshes::merged(body, arm), {.format = &meshFormat(".obj")});
     mShape = mFolder.write("shape.obj", stream.str()).string();
   }
 
@@ -78,8 +78,8 @@ class Tiles : public testing::Test {
   FractalResult makeOneRun(const Recipe& recipe, const std::string& extension) {
     AtomicFile vdb(inFolder("one.vdb")), mesh(inFolder("one." + extension));
     const Scene scene = makeScene(parseFractalOptions(recipe), mMonitor);
-    FractalResult result =
-        writeFractal(scene, recipe, {.vdb = &vdb, .meshes = {{&mesh, meshFormat("a." + extension)}}}, mMonitor);
+    FractalResult result = writeFractal(
+        scene, recipe, {.files = {{&vdb, findFormat(".vdb")}, {&mesh, &meshFormat("a." + extension)}}}, mMonitor);
     vdb.commit();
     mesh.commit();
     return result;
@@ -94,7 +94,7 @@ class Tiles : public testing::Test {
       cut.makes = {"vdb", extension};
       const fs::path folder = made(recipe, cut);
       const MergeResult result = mergePlan(
-          folder, readManifest(folder), {.vdb = inFolder("all.vdb"), .mesh = inFolder("all." + extension)}, mMonitor);
+          folder, readManifest(folder), {.grids = inFolder("all.vdb"), .mesh = inFolder("all." + extension)}, mMonitor);
       EXPECT_EQ(result.crumbs.has_value(), crumbs.has_value());
       if (crumbs && result.crumbs) {
         EXPECT_EQ(result.crumbs->crumbs, crumbs->crumbs);
@@ -201,7 +201,7 @@ TEST_F(Tiles, FormatsThatKeepDoublesAreThoseOfOneRun) {
   // So far away that a PLY has doubles.
   std::ostringstream stream;
   writeMesh(stream, test_meshes::transformed(test_meshes::makeSphere(1, 3), 1, Vec3d(40000, -70000, 90000)),
-            {.format = MeshFormat::Obj});
+            {.format = &meshFormat(".obj")});
   const std::string far = mFolder.write("far.obj", stream.str()).string();
   expectOneRun(completed({{"input", far}, {"sdf-resolution", "30"}, {"resolution", "24"}}),
                {{.tiles = 5}, {.tileNodes = 13}});
@@ -284,7 +284,7 @@ TEST_F(Tiles, APreparedSceneEvaluatesTheSameBits) {
                               completed({{"map", "mandelbulb"}, {"resolution", "30"}})};
   // Roots that are strewn by the distances, which have been in a file for the second scene.
   std::ostringstream ball;
-  writeMesh(ball, test_meshes::makeSphere(0.7, 3, Vec3d(0.3, -5.1, 2.7)), {.format = MeshFormat::Obj});
+  writeMesh(ball, test_meshes::makeSphere(0.7, 3, Vec3d(0.3, -5.1, 2.7)), {.format = &meshFormat(".obj")});
   const std::string mesh = mFolder.write("ball.obj", ball.str()).string();
   for (const char* placement : {"surface", "inside"})
     for (const char* resolution : {"23", "29", "31"})
@@ -312,7 +312,7 @@ TEST_F(Tiles, WhatCannotBeMergedIsRefused) {
   const Recipe recipe = shape({{"resolution", "20"}});
   const fs::path folder = made(recipe, {.tiles = 3, .makes = {"ply"}});
   const Manifest manifest = readManifest(folder);
-  EXPECT_THROW(mergePlan(folder, manifest, {.vdb = inFolder("a.vdb")}, mMonitor), std::invalid_argument);
+  EXPECT_THROW(mergePlan(folder, manifest, {.grids = inFolder("a.vdb")}, mMonitor), std::invalid_argument);
   EXPECT_THROW(mergePlan(folder, manifest, {.mesh = inFolder("a.stl")}, mMonitor), std::invalid_argument);
   const fs::path tile = folder / "tiles" / "0002.tile";
   const std::string bytes = readWholeFile(tile);

@@ -37,7 +37,7 @@ class Variants : public testing::Test {
   }
   std::string writeObj(const std::string& name, const Mesh& mesh) {
     std::ostringstream stream;
-    writeMesh(stream, mesh, {.format = MeshFormat::Obj});
+    writeMesh(stream, mesh, {.format = &meshFormat(".obj")});
     return mFolder.write(name, stream.str()).string();
   }
 
@@ -70,7 +70,7 @@ class Variants : public testing::Test {
     MeshCollector sink(mesh);
     const FractalResult result = runFractal(scene, plan, &sink, mMonitor);
     std::ostringstream ply;
-    MeshWriteOptions options = meshWriteOptions(MeshFormat::Ply, scene.options.output, metadata);
+    MeshWriteOptions options = meshWriteOptions(meshFormat(".ply"), scene.options.output, metadata);
     options.voxelSize = scene.voxelSize;
     options.box = meshBox(plan.nodes);
     writeMesh(ply, mesh, options);

@@ -71,7 +71,7 @@ class Files {
   static Mesh box() { return test_meshes::makeBox({-1, -0.5, -0.25}, {1, 0.5, 0.25}); }
   std::string mesh(const std::string& name, const Mesh& mesh) const {
     std::ostringstream obj;
-    writeMesh(obj, mesh, {.format = MeshFormat::Obj});
+    writeMesh(obj, mesh, {.format = &meshFormat(".obj")});
     return mFolder.write(name, obj.str()).string();
   }
   std::filesystem::path write(const std::string& name, const std::string& bytes) const {

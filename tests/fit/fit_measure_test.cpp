@@ -23,7 +23,7 @@ const FitTarget& measuredSphere() {
   static const FitTarget target = [] {
     const TemporaryFolder folder;
     std::ostringstream obj;
-    writeMesh(obj, test_meshes::makeSphere(2.0, 5, {1, -2, 3}), {.format = MeshFormat::Obj});
+    writeMesh(obj, test_meshes::makeSphere(2.0, 5, {1, -2, 3}), {.format = &meshFormat(".obj")});
     Monitor monitor;
     return makeFitTarget({.input = folder.write("sphere.obj", obj.str()), .resolution = 48}, monitor);
   }();

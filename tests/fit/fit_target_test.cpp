@@ -30,7 +30,7 @@ constexpr double kRadius = 2;  // so the sphere's diameter is 1 in fractal space
 
 std::string objOf(const Mesh& mesh) {
   std::ostringstream obj;
-  writeMesh(obj, mesh, {.format = MeshFormat::Obj});
+  writeMesh(obj, mesh, {.format = &meshFormat(".obj")});
   return obj.str();
 }
 

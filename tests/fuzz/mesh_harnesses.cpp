@@ -3,7 +3,7 @@
 #include "harness.h"
 #include "mesh_files/draco_decoder.h"
 #include "mesh_files/face_names.h"
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "support/small_zip.h"
 
 #include "vdbtools/base/errors.h"

@@ -65,8 +65,8 @@ void addMeshes(Seeds& seeds) {
   const auto add = [&](const char* harness, const char* name, std::string bytes) {
     seeds.push_back({harness, name, std::move(bytes)});
   };
-  add("ply", "own", written({.format = MeshFormat::Ply, .comments = smallMetadata()}));
-  add("ply", "plain", written({.format = MeshFormat::Ply}));
+  add("ply", "own", written({.format = &meshFormat(".ply"), .comments = smallMetadata()}));
+  add("ply", "plain", written({.format = &meshFormat(".ply")}));
   add("ply", "text",
       "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float s\nproperty float t\n"
@@ -78,7 +78,7 @@ void addMeshes(Seeds& seeds) {
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
       "tristrips 2\n"
       "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 0 1 2 3 -1 3 1 1 0\n3 2 0 3\n");
-  add("obj", "own", written({.format = MeshFormat::Obj, .comments = smallMetadata()}));
+  add("obj", "own", written({.format = &meshFormat(".obj"), .comments = smallMetadata()}));
   add("obj", "text",
       "# by hand\nmtllib a.mtl\no part\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 0\nv 0.5 0.4 0\nvt 0 0\nvt 1 0\nvt "
       "1 "
@@ -89,7 +89,7 @@ void addMeshes(Seeds& seeds) {
   add("obj", "names",
       "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\no one\ng a b\nusemtl m\nf 1 2 3\ng c\nusemtl n\nf 3 2 1\ng a\nf 2 1 "
       "3\n");
-  add("stl", "own", written({.format = MeshFormat::Stl}));
+  add("stl", "own", written({.format = &meshFormat(".stl")}));
   add("stl", "text",
       "solid a name\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e-1 0\nendloop\nendfacet\n"
       "endsolid a name\n");
@@ -143,8 +143,8 @@ void addMeshes(Seeds& seeds) {
                   "\004\000\000"
                   "\000\000\000\377\003\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\012",
                   80));
-  add("glb", "own", written({.format = MeshFormat::Glb, .comments = smallMetadata()}));
-  add("glb", "levels", written({.format = MeshFormat::Glb, .levels = {0.5}}));
+  add("glb", "own", written({.format = &meshFormat(".glb"), .comments = smallMetadata()}));
+  add("glb", "levels", written({.format = &meshFormat(".glb"), .levels = {0.5}}));
   add("gltf", "data_uri",
       R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0,"rotation":[0,0,0.7,0.7],)"
       R"("scale":[1,2,-1],"translation":[1,0,0],"children":[2]},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]},)"
@@ -479,9 +479,9 @@ void addExplore(Seeds& seeds) {
       {"export", "POST export\n" + look + R"(,"look":{"azimuth":1}})"},
       {"recipe", "POST recipe look.txt\nmap = quadratic\n# c\nc = 0,1,0,0\n"}};
   for (const auto& [name, text] : requests) seeds.push_back({"request", name, text});
-  const std::string ply = written({.format = MeshFormat::Ply, .comments = smallMetadata()});
-  const std::string obj = written({.format = MeshFormat::Obj, .comments = smallMetadata()});
-  const std::string glb = written({.format = MeshFormat::Glb, .comments = smallMetadata()});
+  const std::string ply = written({.format = &meshFormat(".ply"), .comments = smallMetadata()});
+  const std::string obj = written({.format = &meshFormat(".obj"), .comments = smallMetadata()});
+  const std::string glb = written({.format = &meshFormat(".glb"), .comments = smallMetadata()});
   const std::string vdb = encodeVdb({ball(2)}, {.metadata = smallMetadata()});
   for (const auto& [name, page, file, bytes] :
        {std::tuple("vdb", '0', '5', vdb), {"ply", '1', '6', ply}, {"obj", '2', '7', obj}, {"glb", '3', '8', glb}}) {

@@ -33,7 +33,7 @@ class DetailJob : public testing::Test {
 
   std::string write(const std::string& name, const Mesh& mesh) const {
     std::ostringstream stream;
-    writeMesh(stream, mesh, {.format = MeshFormat::Obj});
+    writeMesh(stream, mesh, {.format = &meshFormat(".obj")});
     const std::string path = mFolder.path() / name;
     std::ofstream(path, std::ios::binary) << stream.str();
     return path;

@@ -39,7 +39,7 @@ class FractalJob : public testing::Test {
   }
   std::string writeObj(const std::string& name, const Mesh& mesh) const {
     std::ostringstream stream;
-    writeMesh(stream, mesh, {.format = MeshFormat::Obj});
+    writeMesh(stream, mesh, {.format = &meshFormat(".obj")});
     return write(name, stream.str());
   }
   Scene scene(const Recipe& recipe) {

@@ -60,7 +60,7 @@ class PointAttributesTest : public testing::Test {
     writeMesh(stream,
               test_meshes::merged(test_meshes::transformed(test_meshes::makeSphere(1, 3), 1, Vec3d(0.31, -0.17, 0.23)),
                                   test_meshes::makeBox(Vec3d(0.9, -0.4, 0.1), Vec3d(2.1, -0.1, 0.35))),
-              {.format = MeshFormat::Obj});
+              {.format = &meshFormat(".obj")});
     mShape = write("shape.obj", stream.str());
   }
 
@@ -84,7 +84,8 @@ class PointAttributesTest : public testing::Test {
   std::string bytesOf(const Recipe& recipe, bool withGrids) {
     const std::filesystem::path vdbPath = mFolder.path() / "a.vdb", plyPath = mFolder.path() / "a.ply";
     AtomicFile vdb(vdbPath), ply(plyPath);
-    FractalFiles files{.vdb = withGrids ? &vdb : nullptr, .meshes = {{&ply, MeshFormat::Ply}}};
+    FractalFiles files{.files = {{&ply, findFormat(".ply")}}};
+    if (withGrids) files.files.push_back({&vdb, findFormat(".vdb")});
     writeFractal(makeScene(parseFractalOptions(recipe), mMonitor), recipe, files, mMonitor);
     ply.commit();
     return readWholeFile(plyPath);
@@ -208,7 +209,7 @@ TEST_F(PointAttributesTest, AMadeFractalIsWrittenLikeOneThatIsMadeOnTheWay) {
   const FractalResult result = runFractal(set, planFractal(set, {.grids = true}), nullptr, mMonitor);
   const std::filesystem::path path = mFolder.path() / "made.ply";
   AtomicFile ply(path);
-  writeMadeFractal(set, recipe, result, fractal.mesh, fractal.rows, {.meshes = {{&ply, MeshFormat::Ply}}}, mMonitor);
+  writeMadeFractal(set, recipe, result, fractal.mesh, fractal.rows, {.files = {{&ply, findFormat(".ply")}}}, mMonitor);
   ply.commit();
   EXPECT_TRUE(readWholeFile(path) == bytesOf(recipe, false));
 }

@@ -113,7 +113,7 @@ class SheetJob : public testing::Test {
  protected:
   SheetJob() {
     std::ostringstream stream;
-    writeMesh(stream, test_meshes::makeSphere(1, 2), {.format = MeshFormat::Obj});
+    writeMesh(stream, test_meshes::makeSphere(1, 2), {.format = &meshFormat(".obj")});
     mBall = mFolder.write("ball.obj", stream.str()).string();
   }
 
@@ -187,7 +187,7 @@ TEST_F(SheetJob, WhatChangesACellMakesItAgain) {
   EXPECT_EQ(make(other).reusedCells, 0U);
   EXPECT_EQ(make(usual).reusedCells, 2U);
   std::ostringstream stream;
-  writeMesh(stream, test_meshes::makeSphere(1.2, 2), {.format = MeshFormat::Obj});
+  writeMesh(stream, test_meshes::makeSphere(1.2, 2), {.format = &meshFormat(".obj")});
   mFolder.write("ball.obj", stream.str());
   EXPECT_EQ(make(usual).reusedCells, 0U) << "the mesh is another one";
 }

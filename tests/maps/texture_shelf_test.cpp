@@ -139,7 +139,7 @@ class TextureJob : public testing::Test {
 
   std::string write(const std::string& name, const Mesh& mesh) const {
     std::ostringstream obj;
-    writeMesh(obj, mesh, {.format = MeshFormat::Obj});
+    writeMesh(obj, mesh, {.format = &meshFormat(".obj")});
     return mFolder.write(name, obj.str());
   }
   Scene scene(const Recipe& recipe) {

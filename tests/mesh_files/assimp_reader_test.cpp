@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // FBX, DAE, 3DS and X3D: the same shape in each of them is the same mesh as in an OBJ, where the nodes place it. The
 // files are written here.
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "support/temporary_folder.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh_files/importer_trust.h"
@@ -282,13 +282,13 @@ TEST_F(ImportedMesh, IsTurnedToYUpAndKeepsItsNumbersAndItsUnit) {
         {"z.fbx", {fbx(shape, places, zUp + unit(100 * size)), &turned}}};
     for (const auto& [file, content] : files) {
       expectSame(file, content.first, *content.second);
-      EXPECT_EQ(vdbtools::unitOfImported(file, content.first), name) << file;
-      const auto comments = vdbtools::readMeshComments(mFolder.write(file, content.first));
-      EXPECT_EQ(comments.contains("julia_length_unit"), !name.empty()) << file;
+      const vdbtools::FileTexts unit =
+          name.empty() ? vdbtools::FileTexts() : vdbtools::FileTexts{{"julia_length_unit", name}};
+      EXPECT_EQ(vdbtools::readMeshTexts(mFolder.write(file, content.first)), unit) << file;
     }
   }
-  EXPECT_EQ(vdbtools::unitOfImported("a.3ds", threeDs(shape)), "");
-  EXPECT_EQ(vdbtools::unitOfImported("a.x3d", x3d(shape, places)), "");
+  EXPECT_TRUE(vdbtools::readMeshTexts(mFolder.write("a.3ds", threeDs(shape))).empty());
+  EXPECT_TRUE(vdbtools::readMeshTexts(mFolder.write("a.x3d", x3d(shape, places))).empty());
 }
 
 TEST_F(ImportedMesh, HasTheColoursOfItsVertices) {
@@ -316,7 +316,7 @@ TEST_F(ImportedMesh, IsRefusedWithoutTrust) {
   expectRefused("a.dae", dae(shape, {{}}), {"DAE", "--trust-importer", ".glb", "Blender"});
   expectRefused("a.x3d", x3d(shape, {{}}), {"X3D", "--trust-importer", ".glb", "Blender"});
   expectRefused("A.3DS", threeDs(shape), {"3DS", "--trust-importer", ".glb", "Blender"});
-  EXPECT_TRUE(vdbtools::readMeshComments(mFolder.write("a.fbx", fbx(shape, {{}}))).empty());
+  EXPECT_TRUE(vdbtools::readMeshTexts(mFolder.write("a.fbx", fbx(shape, {{}}))).empty());
 }
 
 TEST_F(ImportedMesh, BrokenFilesAreRefusedInOneLine) {

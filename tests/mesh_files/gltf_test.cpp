@@ -46,7 +46,7 @@ struct Made {
 };
 
 std::string glbOf(const Mesh& mesh, MeshWriteOptions options = {}, std::span<const float> values = {}) {
-  options.format = MeshFormat::Glb;
+  options.format = &meshFormat(".glb");
   std::ostringstream stream;
   writeMesh(stream, mesh, options, values);
   return stream.str();
@@ -166,7 +166,7 @@ TEST(Glb, ReadsBack) {
       ASSERT_EQ(uv[0], row[7]);
       ASSERT_NEAR(uv[1], row[8], 1e-6);
     }
-  EXPECT_EQ(readMeshComments(folder.path() / "a.glb"), (std::map<std::string, std::string>{{"julia_alpha", "40"}}));
+  EXPECT_EQ(readMeshTexts(folder.path() / "a.glb"), (std::map<std::string, std::string>{{"julia_alpha", "40"}}));
 }
 
 TEST(Glb, ASmallObjectFarAwayKeepsItsShape) {
@@ -189,7 +189,7 @@ TEST(Glb, ASmallObjectFarAwayKeepsItsShape) {
 
 TEST(Glb, LevelsOfDetailAreCoarserMeshesOverTheSamePoints) {
   const Made made;
-  const MeshWriteOptions options{.format = MeshFormat::Glb, .columns = kColumns, .levels = {0.5, 0.1}};
+  const MeshWriteOptions options{.format = &meshFormat(".glb"), .columns = kColumns, .levels = {0.5, 0.1}};
   std::ostringstream stream;
   const std::vector<MeshLevel> levels = writeMesh(stream, made.mesh, options, made.values);
   ASSERT_EQ(levels.size(), 2u);
@@ -220,7 +220,7 @@ TEST(Glb, LevelsOfDetailAreCoarserMeshesOverTheSamePoints) {
 }
 
 TEST(Glb, IsRefusedWhereItsNumbersDoNotFit) {
-  const MeshWriteOptions options{.format = MeshFormat::Glb};
+  const MeshWriteOptions options{.format = &meshFormat(".glb")};
   // Of 24 bytes a point and 12 a triangle.
   EXPECT_NO_THROW(requireGlbSize({.normals = true, .points = 80'000'000, .triangles = 160'000'000}, options));
   EXPECT_THROW(requireGlbSize({.normals = true, .points = 90'000'000, .triangles = 180'000'000}, options),

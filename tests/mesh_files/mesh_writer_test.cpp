@@ -34,7 +34,7 @@ class MeshWriter : public testing::Test {
  protected:
   std::filesystem::path write(const char* name, const Mesh& mesh, MeshWriteOptions options) const {
     const std::filesystem::path path = mFolder / name;
-    options.format = meshFormat(path);
+    options.format = &meshFormat(path);
     std::ofstream stream(path, std::ios::binary);
     writeMesh(stream, mesh, options);
     return path;
@@ -76,17 +76,18 @@ TEST_F(MeshWriter, CommentsComeBack) {
   const std::map<std::string, std::string> comments{
       {"julia_alpha", "40"}, {"julia_input", "a b.obj"}, {"julia_grid", ""}};
   const Mesh mesh = test_meshes::makeCube();
-  EXPECT_EQ(readMeshComments(write("c.ply", mesh, {.comments = comments})), comments);
-  EXPECT_EQ(readMeshComments(write("c.obj", mesh, {.comments = comments})), comments);
-  EXPECT_TRUE(readMeshComments(write("c.stl", mesh, {.comments = comments})).empty());
+  EXPECT_EQ(readMeshTexts(write("c.ply", mesh, {.comments = comments})), comments);
+  EXPECT_EQ(readMeshTexts(write("c.obj", mesh, {.comments = comments})), comments);
+  EXPECT_TRUE(readMeshTexts(write("c.stl", mesh, {.comments = comments})).empty());
   EXPECT_NO_THROW(readMesh(mFolder / "c.ply"));
   EXPECT_NO_THROW(readMesh(mFolder / "c.obj"));
-  EXPECT_THROW(readMeshComments(mFolder / "none.ply"), MissingInputError);
+  EXPECT_THROW(readMeshTexts(mFolder / "none.ply"), MissingInputError);
 }
 
 TEST_F(MeshWriter, OtherFormatsAreRefused) { EXPECT_THROW(meshFormat("a.fbx"), std::invalid_argument); }
 
-constexpr MeshFormat kFormats[] = {MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl, MeshFormat::Glb};
+const FileFormat* const kFormats[] = {&meshFormat(".ply"), &meshFormat(".obj"), &meshFormat(".stl"),
+                                      &meshFormat(".glb")};
 
 /// Like a pipe: there is no position in it.
 class PipeBuffer : public std::streambuf {
@@ -201,14 +202,14 @@ TEST_F(MeshStream, PiecesGiveTheBytesOfTheWhole) {
     const bool normals = seed % 2 == 1;
     const std::size_t points = 3 + random() % 200, triangles = random() % 400;
     const Mesh mesh = randomMesh(random, points, triangles, normals);
-    for (const MeshFormat format : kFormats)
+    for (const FileFormat* const format : kFormats)
       for (const double voxelSize : {0.0, 0.1, 1e-5}) {
-        SCOPED_TRACE(testing::Message() << "seed " << seed << ", format " << int(format) << ", voxels of "
+        SCOPED_TRACE(testing::Message() << "seed " << seed << ", format " << format->name << ", voxels of "
                                         << voxelSize);
         MeshWriteOptions options{.format = format, .voxelSize = voxelSize, .comments = {{"julia_alpha", "40"}}};
         // Its middle is what the positions of a GLB are relative to.
-        if (format == MeshFormat::Glb) options.box = openvdb::BBoxd(Vec3d(-2), Vec3d(2.5));
-        if (format == MeshFormat::Stl && voxelSize == 1e-5) {
+        if (format == &meshFormat(".glb")) options.box = openvdb::BBoxd(Vec3d(-2), Vec3d(2.5));
+        if (format == &meshFormat(".stl") && voxelSize == 1e-5) {
           // Its floats are too coarse for these voxels, which both know from the box.
           EXPECT_THROW(wholeBytes(mesh, options), std::invalid_argument);
           options.box = openvdb::BBoxd(Vec3d(-2), Vec3d(2));
@@ -229,16 +230,16 @@ TEST_F(MeshStream, PiecesGiveTheBytesOfTheWhole) {
 TEST_F(MeshStream, PartsOfSeveralBuffersToo) {
   std::mt19937 random(1);
   const Mesh mesh = randomMesh(random, 100000, 200000, true);
-  for (const MeshFormat format : kFormats)
+  for (const FileFormat* const format : kFormats)
     for (const bool seekable : {true, false})
       EXPECT_TRUE(streamedBytes(mesh, {.format = format}, seekable, random, 20000) ==
                   wholeBytes(mesh, {.format = format}))
-          << int(format) << (seekable ? " file" : " pipe");
+          << format->name << (seekable ? " file" : " pipe");
 }
 
 TEST_F(MeshStream, AnEmptyMeshIsWrittenToo) {
   std::mt19937 random;
-  for (const MeshFormat format : kFormats)
+  for (const FileFormat* const format : kFormats)
     for (const bool seekable : {true, false})
       EXPECT_EQ(streamedBytes({}, {.format = format}, seekable, random, 1), wholeBytes({}, {.format = format}));
 }
@@ -246,7 +247,7 @@ TEST_F(MeshStream, AnEmptyMeshIsWrittenToo) {
 TEST_F(MeshStream, StandsInTheMidstOfAStream) {
   std::mt19937 random(2);
   const Mesh mesh = randomMesh(random, 50, 80, false);
-  for (const MeshFormat format : kFormats) {
+  for (const FileFormat* const format : kFormats) {
     // Into a longer file that is overwritten.
     std::stringstream stream(std::string(100000, '-'));
     stream << "before";
@@ -274,7 +275,7 @@ TEST_F(MeshStream, AFileReadsBack) {
     const Mesh read = readMesh(path);
     EXPECT_EQ(read.points, mesh.points);
     EXPECT_EQ(read.triangles, mesh.triangles);
-    EXPECT_EQ(readMeshComments(path), comments);
+    EXPECT_EQ(readMeshTexts(path), comments);
   }
 }
 
@@ -373,7 +374,7 @@ TEST_F(MeshStream, ObjHoldsColoursAndTextureCoordinates) {
   const auto ply = mFolder / "columns.ply", obj = mFolder / "columns.obj";
   for (const auto& path : {ply, obj}) {
     std::ofstream file(path, std::ios::binary);
-    writeMesh(file, made.mesh, {.format = meshFormat(path), .columns = made.columns}, made.values);
+    writeMesh(file, made.mesh, {.format = &meshFormat(path), .columns = made.columns}, made.values);
   }
   const Mesh fromPly = readMesh(ply), fromObj = readMesh(obj);
   ASSERT_EQ(fromObj.attributes.size(), 3u);
@@ -383,14 +384,14 @@ TEST_F(MeshStream, ObjHoldsColoursAndTextureCoordinates) {
 
 TEST_F(MeshStream, PiecesWithColumnsGiveTheBytesOfTheWhole) {
   ColumnMesh made;
-  for (const MeshFormat format : kFormats) {
+  for (const FileFormat* const format : kFormats) {
     const MeshWriteOptions options{.format = format, .columns = made.columns};
     std::ostringstream whole, pieces;
     writeMesh(whole, made.mesh, options, made.values);
     MeshStreamWriter writer(pieces, mFolder, options);
     feed(writer, made.mesh, made.random, 20, made.values, ColumnMesh::kRow);
     writer.finish();
-    EXPECT_EQ(pieces.str(), whole.str()) << int(format);
+    EXPECT_EQ(pieces.str(), whole.str()) << format->name;
   }
 }
 
@@ -406,7 +407,7 @@ TEST_F(MeshStream, NothingPassesForAMeshBeforeItIsFinished) {
   const Mesh mesh = test_meshes::makeSphere(1, 5);
   for (const char* name : {"u.ply", "u.stl", "u.glb"}) {
     std::ofstream stream(mFolder / name, std::ios::binary);
-    MeshStreamWriter writer(stream, mFolder, {.format = meshFormat(name)});
+    MeshStreamWriter writer(stream, mFolder, {.format = &meshFormat(name)});
     std::mt19937 random;
     feed(writer, mesh, random, 1000);
     stream.flush();
@@ -417,7 +418,7 @@ TEST_F(MeshStream, NothingPassesForAMeshBeforeItIsFinished) {
 TEST_F(MeshStream, TrianglesKeepToTheWindow) {
   const Mesh mesh = test_meshes::makeCube();
   const std::vector<openvdb::Vec3I> late{{5, 6, 7}}, early{{4, 6, 7}}, future{{6, 7, 8}};
-  for (const MeshFormat format : kFormats) {
+  for (const FileFormat* const format : kFormats) {
     const auto use = [&](const std::vector<openvdb::Vec3I>& triangles, std::uint64_t firstPoint) {
       std::ostringstream stream;
       MeshStreamWriter writer(stream, mFolder, {.format = format});
@@ -443,7 +444,7 @@ TEST_F(MeshStream, MemoryFollowsTheWindow) {
   const std::vector<Vec3d> points(kPiece);
   std::vector<openvdb::Vec3I> triangles(kPiece);
   std::ofstream nowhere("/dev/null");
-  MeshStreamWriter writer(nowhere, mFolder, {.format = MeshFormat::Stl});
+  MeshStreamWriter writer(nowhere, mFolder, {.format = &meshFormat(".stl")});
   const auto allocated = [] {
     const struct mallinfo2 info = mallinfo2();
     return info.uordblks + info.hblkhd;
@@ -516,22 +517,22 @@ TEST_F(MeshStream, CountsThatDoNotFitAreRefusedAtOnce) {
   const Vast<openvdb::Vec3I> triangles(std::size_t{1} << 32);
   if (!points.exists() || !triangles.exists()) GTEST_SKIP() << "no room of that size can be had here";
   std::ostringstream stream;
-  for (const MeshFormat format : kFormats) {
+  for (const FileFormat* const format : kFormats) {
     MeshStreamWriter writer(stream, mFolder, {.format = format});
     EXPECT_THROW(writer.addPoints({points.span()}), DataError);
     MeshStreamWriter other(stream, mFolder, {.format = format});
     EXPECT_NE(messageOf([&] { other.addPoints({points.span()}); }).find("4294967296"), std::string::npos);
   }
-  MeshStreamWriter writer(stream, mFolder, {.format = MeshFormat::Stl});
+  MeshStreamWriter writer(stream, mFolder, {.format = &meshFormat(".stl")});
   EXPECT_THROW(writer.addTriangles(triangles.span(), 0), std::invalid_argument);
 }
 
 TEST_F(MeshStream, WhatAFormatCannotCountIsKnownBeforeAMeshIsMade) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  for (const MeshFormat format : {MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl}) {
+  for (const FileFormat* const format : {&meshFormat(".ply"), &meshFormat(".obj"), &meshFormat(".stl")}) {
     EXPECT_NO_THROW(requireMeshCounts({.format = format}, true, kMost, kMost));
     EXPECT_THROW(requireMeshCounts({.format = format}, true, kMost + 1, 1), DataError);
-    if (format == MeshFormat::Stl)
+    if (format == &meshFormat(".stl"))
       EXPECT_THROW(requireMeshCounts({.format = format}, true, 3, kMost + 1), std::invalid_argument);
     else
       EXPECT_NO_THROW(requireMeshCounts({.format = format}, true, kMost, 5 * kMost));
@@ -543,14 +544,14 @@ TEST_F(MeshStream, AGlbIsRefusedFromTheByteOnThatItCannotCount) {
   for (const bool normals : {false, true}) {
     if (normals) computeNormals(mesh);
     std::ostringstream stream;
-    writeMesh(stream, mesh, {.format = MeshFormat::Glb});
+    writeMesh(stream, mesh, {.format = &meshFormat(".glb")});
     const std::uint64_t point = normals ? 24 : 12, triangle = 12;  // bytes
     const std::uint64_t others = stream.str().size() - mesh.points.size() * point - mesh.triangles.size() * triangle;
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
     for (const std::uint64_t points : {3ul, 1000ul, 70'000'001ul, 150'000'000ul}) {
       const std::uint64_t triangles = (kMost - others - points * point) / triangle;
-      EXPECT_NO_THROW(requireMeshCounts({.format = MeshFormat::Glb}, normals, points, triangles));
-      EXPECT_THROW(requireMeshCounts({.format = MeshFormat::Glb}, normals, points, triangles + 1),
+      EXPECT_NO_THROW(requireMeshCounts({.format = &meshFormat(".glb")}, normals, points, triangles));
+      EXPECT_THROW(requireMeshCounts({.format = &meshFormat(".glb")}, normals, points, triangles + 1),
                    std::invalid_argument);
     }
   }
@@ -574,7 +575,7 @@ TEST_F(MeshStream, TheScratchFolderIsNamedWhereItFails) {
   if (!disk.isMounted()) GTEST_SKIP() << "no small file system can be mounted here: " << disk.error();
   std::mt19937 random(5);
   const Mesh mesh = randomMesh(random, 100000, 200000, true);
-  for (const MeshFormat format : kFormats) {
+  for (const FileFormat* const format : kFormats) {
     Pipe pipe;
     MeshStreamWriter writer(pipe, folder, {.format = format});
     const auto write = [&] {
@@ -597,7 +598,7 @@ TEST_F(MeshStream, TheScratchFolderIsNamedWhereItFails) {
 TEST_F(MeshStream, AFullOutputStopsTheWork) {
   std::mt19937 random(6);
   const Mesh mesh = randomMesh(random, 100000, 200000, false);
-  for (const MeshFormat format : kFormats) {
+  for (const FileFormat* const format : kFormats) {
     const auto write = [&](std::ostream& stream) {
       MeshStreamWriter writer(stream, mFolder, {.format = format});
       feed(writer, mesh, random, 10000);

@@ -96,6 +96,24 @@ class LikeTheCommand(ModuleTest):
                 for extension in ("vdb", "ply", "obj", "stl"):
                     self.assertEqual(self.bytes(f"a.{extension}"), self.bytes(f"b.{extension}"), extension)
 
+    def test_grids_in_other_formats(self):
+        made = juliavdb.fractal(self.torus, **SMALL, grids="surface,density")
+        grid = juliavdb.Grid(np.arange(24.0).reshape(2, 3, 4), 0.5, name="surface")
+        try:
+            made.write(self.path("a.nvdb"), self.path("a.vdb"), self.path("b.vdb"))
+        except ValueError as refusal:
+            self.assertRegex(str(refusal), "cannot write NanoVDB.*built")
+            self.skipTest("NanoVDB is not built in")
+        self.ok("fractal", self.torus, "-o", "c.nvdb", *SMALL_WORDS, "--grids", "surface,density")
+        self.assertEqual(self.bytes("a.nvdb"), self.bytes("c.nvdb"))
+        self.assertEqual(self.bytes("a.vdb"), self.bytes("b.vdb"))
+        for name in ("g.vdb", "g.nvdb"):
+            grid.write(self.path(name))
+        self.ok("convert", "g.vdb", "-o", "h.nvdb")
+        self.assertEqual(self.bytes("g.nvdb"), self.bytes("h.nvdb"))
+        with self.assertRaisesRegex(ValueError, r"g\.ply.*\.vdb or \.nvdb"):
+            grid.write(self.path("g.ply"))
+
     def test_a_fractal_does_not_depend_on_those_before_it(self):
         small = {"sdf_resolution": 60, "resolution": 20}
         points, faces = harness.snowman()
@@ -223,7 +241,7 @@ class LikeTheCommand(ModuleTest):
 
     def test_what_cannot_be_written(self):
         made = juliavdb.fractal(map="mandelbulb", resolution=20)
-        with self.assertRaisesRegex(ValueError, r"f\.abc.*\.vdb \.ply"):
+        with self.assertRaisesRegex(ValueError, r"f\.abc.*\.vdb or .*\.ply, "):
             made.write("f.abc")
         with self.assertRaises(OSError) as caught:
             made.write(self.path("here.ply"), self.path("no/such/folder.ply"))

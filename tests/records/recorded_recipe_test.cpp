@@ -24,7 +24,7 @@ class RecordedRecipeTest : public testing::Test {
 
   std::string writeBall() const {
     std::ostringstream stream;
-    writeMesh(stream, test_meshes::makeSphere(1, 3), {.format = MeshFormat::Obj});
+    writeMesh(stream, test_meshes::makeSphere(1, 3), {.format = &meshFormat(".obj")});
     return mFolder.write("ball.obj", stream.str()).string();
   }
   std::string writeGrid(const std::string& name, float value) const {

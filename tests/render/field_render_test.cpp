@@ -394,7 +394,7 @@ class FieldRenderScene : public testing::Test {
     writeMesh(stream,
               test_meshes::merged(test_meshes::makeSphere(1, 3),
                                   test_meshes::makeBox(Vec3d(1.2, -0.3, -0.2), Vec3d(1.8, 0.4, 0.5))),
-              {.format = MeshFormat::Obj});
+              {.format = &meshFormat(".obj")});
     return write("target.obj", stream.str());
   }
   std::vector<Recipe> recipes() const {

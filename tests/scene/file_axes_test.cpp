@@ -40,16 +40,18 @@ TEST(UpTurn, IsAnExactTurnThatTakesUpToUp) {
 }
 
 TEST(FileAxes, FollowTheRuleAndGlbHasYUpAlways) {
-  constexpr MeshFormat kFormats[] = {MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl, MeshFormat::Glb};
+  const FileFormat* const kFormats[] = {&meshFormat(".ply"), &meshFormat(".obj"), &meshFormat(".stl"),
+                                        &meshFormat(".glb")};
   for (const UpAxis target : {UpAxis::Y, UpAxis::Z}) {
     EXPECT_EQ((FileAxes{target, UpRule::Keep}).ofVdb(), target);
     EXPECT_EQ((FileAxes{target, UpRule::Auto}).ofVdb(), UpAxis::Y);
-    for (const MeshFormat format : kFormats) {
-      const bool glb = format == MeshFormat::Glb, upright = format == MeshFormat::Ply || format == MeshFormat::Stl;
-      EXPECT_EQ((FileAxes{target, UpRule::Keep}).ofMesh(format), glb ? UpAxis::Y : target);
-      EXPECT_EQ((FileAxes{target, UpRule::Z}).ofMesh(format), glb ? UpAxis::Y : UpAxis::Z);
-      EXPECT_EQ((FileAxes{target, UpRule::Auto}).ofMesh(format), upright ? UpAxis::Z : UpAxis::Y);
-      const MeshWriteOptions options = meshWriteOptions(format, FileAxes{target, UpRule::Auto}, {});
+    for (const FileFormat* const format : kFormats) {
+      const bool glb = format == &meshFormat(".glb"),
+                 upright = format == &meshFormat(".ply") || format == &meshFormat(".stl");
+      EXPECT_EQ((FileAxes{target, UpRule::Keep}).of(*format), glb ? UpAxis::Y : target);
+      EXPECT_EQ((FileAxes{target, UpRule::Z}).of(*format), glb ? UpAxis::Y : UpAxis::Z);
+      EXPECT_EQ((FileAxes{target, UpRule::Auto}).of(*format), upright ? UpAxis::Z : UpAxis::Y);
+      const MeshWriteOptions options = meshWriteOptions(*format, FileAxes{target, UpRule::Auto}, {});
       EXPECT_EQ(options.turn.turns(), target != (upright ? UpAxis::Z : UpAxis::Y));
       EXPECT_EQ(recordedUpAxis(options.comments), upright ? UpAxis::Z : UpAxis::Y);
     }
@@ -65,15 +67,16 @@ TEST(FileAxes, MeshesAreTurnedWhateverTheirPieces) {
   for (Vec3s& normal : turned.normals) normal = turn(normal);
   std::vector<float> values(3 * mesh.points.size());
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i) / 1000;
-  for (const MeshFormat format : {MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl, MeshFormat::Glb}) {
+  for (const FileFormat* const format :
+       {&meshFormat(".ply"), &meshFormat(".obj"), &meshFormat(".stl"), &meshFormat(".glb")}) {
     // Coordinates so large against the voxels that the box decides on doubles, which an STL does not have.
-    const double voxelSize = format == MeshFormat::Stl ? 1e-3 : 1e-7;
+    const double voxelSize = format == &meshFormat(".stl") ? 1e-3 : 1e-7;
     MeshWriteOptions options{.format = format, .voxelSize = voxelSize, .columns = {{"direction", ColumnKind::Vector}}};
     std::ostringstream expected, whole, pieces;
     writeMesh(expected, turned, options, values);
     options.turn = turn;
     writeMesh(whole, mesh, options, values);
-    EXPECT_TRUE(whole.str() == expected.str()) << "format " << static_cast<int>(format);
+    EXPECT_TRUE(whole.str() == expected.str()) << "format " << format->name;
     options.box.emplace();
     for (const Vec3d& point : mesh.points) options.box->expand(point);
     const TemporaryFolder folder;
@@ -86,7 +89,7 @@ TEST(FileAxes, MeshesAreTurnedWhateverTheirPieces) {
     writer.addPoints({points.subspan(half), normals.subspan(half), rows.subspan(3 * half)});
     writer.addTriangles(mesh.triangles, 0);
     writer.finish();
-    EXPECT_TRUE(pieces.str() == expected.str()) << "in pieces, format " << static_cast<int>(format);
+    EXPECT_TRUE(pieces.str() == expected.str()) << "in pieces, format " << format->name;
   }
 }
 

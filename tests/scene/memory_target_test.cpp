@@ -37,7 +37,7 @@ TEST(MemoryTarget, MakesTheFractalOfItsFile) {
   const Mesh mesh = test_meshes::makeSphere(1.3, 3);
   const std::string path = folder.path() / "sphere.obj";
   std::ofstream file(path);
-  writeMesh(file, mesh, {.format = MeshFormat::Obj});
+  writeMesh(file, mesh, {.format = &meshFormat(".obj")});
   file.close();
   Recipe recipe = kRecipe;
   recipe["input"] = path;

@@ -37,7 +37,7 @@ class SceneHistory : public testing::Test {
 
   std::string write(const std::string& name, const Mesh& mesh) const {
     std::ostringstream stream;
-    writeMesh(stream, mesh, {.format = MeshFormat::Obj});
+    writeMesh(stream, mesh, {.format = &meshFormat(".obj")});
     return write(name, stream.str());
   }
   std::string write(const std::string& name, const std::string& bytes) const {
@@ -58,7 +58,7 @@ class SceneHistory : public testing::Test {
       const Scene scene = maker.make(parseFractalOptions(recipe), mMonitor);
       AtomicFile grids(vdb), mesh(ply);
       const FractalResult result =
-          writeFractal(scene, recipe, {.vdb = &grids, .meshes = {{&mesh, MeshFormat::Ply}}}, mMonitor);
+          writeFractal(scene, recipe, {.files = {{&grids, findFormat(".vdb")}, {&mesh, findFormat(".ply")}}}, mMonitor);
       grids.commit();
       mesh.commit();
       std::string bytes = readWholeFile(vdb) + readWholeFile(ply) + std::to_string(result.evaluatedNodes);

@@ -65,7 +65,7 @@ class Dimension : public testing::Test {
  protected:
   Dimension() {
     std::ostringstream stream;
-    writeMesh(stream, test_meshes::makeSphere(1, 3), {.format = MeshFormat::Obj});
+    writeMesh(stream, test_meshes::makeSphere(1, 3), {.format = &meshFormat(".obj")});
     mBall = mFolder.write("ball.obj", stream.str()).string();
   }
 

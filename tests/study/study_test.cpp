@@ -33,7 +33,7 @@ class StudyTest : public testing::Test {
 
   std::string file(const std::string& name, const Mesh& mesh) const {
     std::ostringstream obj;
-    writeMesh(obj, mesh, {.format = MeshFormat::Obj});
+    writeMesh(obj, mesh, {.format = &meshFormat(".obj")});
     return mFolder.write(name, obj.str()).string();
   }
   std::string file(const std::string& name, const openvdb::FloatGrid::Ptr& grid) const {

@@ -407,18 +407,18 @@ json ExploreSession::command(const json& body) {
   const Look look = lookToMake(body);
   const std::string name = textOf(body, "name", "look");
   requireFileName(name);
-  // A command writes one mesh; each further mesh takes a command of its own.
+  // A command writes one file of grids and one mesh; each further file takes a command of its own.
   std::vector<std::vector<std::pair<std::string, std::string>>> outputs(1);
-  bool hasMesh = false;
+  const std::vector<std::string> known = writtenFormats();
   for (const std::string& format : formatsOf(body)) {
-    const std::vector<std::string> known = fileFormats();
     if (std::find(known.begin(), known.end(), format) == known.end())
       throw std::invalid_argument("there is no format '" + inOneLine(format) + "' for files");
-    const bool mesh = format != "vdb";
-    if (mesh && hasMesh) outputs.emplace_back();
-    hasMesh = hasMesh || mesh;
-    (mesh ? outputs.back() : outputs.front())
-        .emplace_back(mesh ? "--mesh" : "-o", (mFolder / (name + '.' + format)).string());
+    const std::string option = findFormat('.' + format)->writesMesh ? "--mesh" : "-o";
+    const auto free = std::ranges::find_if(outputs, [&](const auto& files) {
+      return std::ranges::none_of(files, [&](const auto& file) { return file.first == option; });
+    });
+    (free == outputs.end() ? outputs.emplace_back() : *free)
+        .emplace_back(option, (mFolder / (name + '.' + format)).string());
   }
   std::string commands;
   for (const auto& files : outputs)

@@ -22,19 +22,6 @@ constexpr std::size_t kMostWaiting = 50, kMostKnown = 100;
 
 }  // namespace
 
-std::vector<std::string> fileFormats() {
-  std::vector<std::string> formats = {"vdb"};
-  for (const char* format : {"ply", "obj", "stl", "glb"}) {
-    try {
-      meshFormat(std::string("mesh.") + format);
-      formats.emplace_back(format);
-    } catch (const std::invalid_argument&) {
-      // This version does not write it.
-    }
-  }
-  return formats;
-}
-
 /// A job, and the monitor of its work.
 class JobQueue::Job final : public Monitor {
  public:
@@ -142,7 +129,7 @@ void JobQueue::requireFree(const JobRequest& request) const {
 
 int JobQueue::add(const JobRequest& request) {
   requireFileName(request.name);
-  const std::vector<std::string> known = fileFormats();
+  const std::vector<std::string> known = writtenFormats();
   if (request.formats.empty()) throw std::invalid_argument("no format was given for the files");
   for (const std::string& format : request.formats) {
     if (std::find(known.begin(), known.end(), format) == known.end())
@@ -222,12 +209,8 @@ void JobQueue::run(Job& job) {
     FractalFiles outputs;
     for (const std::string& format : request.formats) {
       const std::filesystem::path path = fileOf(request, format);
-      AtomicFile& file = files.add(path);
+      outputs.files.push_back({&files.add(path), findFormat(path.native())});
       names.push_back(path.filename().string());
-      if (format == "vdb")
-        outputs.vdb = &file;
-      else
-        outputs.meshes.push_back({&file, meshFormat(path)});
     }
     const Scene scene = makeScene(options, job);
     writeFractal(scene, request.recipe, outputs, job);

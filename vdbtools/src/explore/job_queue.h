@@ -23,7 +23,7 @@ struct JobRequest {
   Recipe recipe;                     ///< completed, with the resolution
   Recipe given;                      ///< the options of it that the page shows
   std::string name;                  ///< the files' name, without the folder and the extension
-  std::vector<std::string> formats;  ///< "vdb", "ply" and so on, each once
+  std::vector<std::string> formats;  ///< some of writtenFormats() (formats/file_formats.h), each once
   bool overwrite = false;
 };
 
@@ -46,9 +46,6 @@ struct MadeFiles {
   Recipe recipe;  ///< completed
   std::vector<std::filesystem::path> files;
 };
-
-/// The names of the formats that files may have.
-std::vector<std::string> fileFormats();
 
 /// May be used from many threads at once.
 class JobQueue {

@@ -41,7 +41,14 @@ std::string encoded(const ShadedImage& image, const FieldPicture& picture) {
   return encodeShadedImage(image, ".png", picture.render.look.backdrop == Backdrop::None, {Pass::Beauty});
 }
 
-bool isVdb(const std::filesystem::path& file) { return isVdbPath(file.string()); }
+/// The file that is shown: a mesh, or else grids that can be read.
+const std::filesystem::path& shownFile(const std::vector<std::filesystem::path>& files) {
+  for (bool FileFormat::*const fact : {&FileFormat::readsMesh, &FileFormat::readsGrids})
+    for (const std::filesystem::path& file : files)
+      if (findFormat(file.native())->*fact) return file;
+  throw std::invalid_argument("'" + files.at(0).filename().string() +
+                              "' is not read here; make a mesh or a VDB as well to see what was made");
+}
 
 }  // namespace
 
@@ -50,17 +57,17 @@ std::string pictureOfMesh(const Scene& scene, const FieldPicture& picture, Monit
 }
 
 std::string pictureOfMade(const MadeFiles& made, const FieldPicture& picture, Monitor& monitor) {
-  const auto mesh = std::find_if_not(made.files.begin(), made.files.end(), isVdb);
-  const std::filesystem::path& file = mesh != made.files.end() ? *mesh : made.files.at(0);
+  const std::filesystem::path& file = shownFile(made.files);
+  const FileFormat& format = *findFormat(file.native());
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, ignored)))
     throw MissingInputError("'" + file.filename().string() + "' is no longer there");
   const FractalOptions options = parseFractalOptions(made.recipe);
   const FileAxes& axes = options.output.axes;
-  const UpAxis up = mesh != made.files.end() ? axes.ofMesh(meshFormat(file)) : axes.ofVdb();
+  const UpAxis up = axes.of(format);
   const PreviewOptions preview = previewOf(picture, up, UpTurn(axes.target, up));
   monitor.begin(PhaseKind::Reading, 0);
-  if (mesh == made.files.end())
+  if (format.readsGrids)
     return encoded(renderPreview(*chooseFloatGrid(readVdb(file), "", file.string()), preview, monitor), picture);
   return encoded(
       renderMeshPreview(readMesh(file), {.picture = preview, .colours = showsOwnColours(options.output)}, monitor),

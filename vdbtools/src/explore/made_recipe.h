@@ -11,7 +11,7 @@
 
 namespace vdbtools::explore {
 
-/// The recipe in a VDB, PLY, OBJ or GLB that 'juliavdb fractal' made, or in a text with lines NAME = VALUE, as --config
+/// The recipe in a file that 'juliavdb fractal' made, or in a text with lines NAME = VALUE, as --config
 /// takes them.
 /// @param name  the file name, whose extension gives the format
 /// @return the recipe as it is recorded, completed and with hashes; for a text, only its entries

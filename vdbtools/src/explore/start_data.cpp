@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/start_data.h"
 
-#include "explore/job_queue.h"
 #include "explore/look_data.h"
 #include "vdbtools/explore/embedded_page.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/maps/texture_shelf.h"
 #include "vdbtools/recipe/option_data.h"
 #include "vdbtools/scene/fractal_options.h"
@@ -81,7 +81,7 @@ json programData() {
           {"materials", materialData()},
           {"looks", lookOptionData()},
           {"resolutions", {60, 100, 150, 200, 300, 400, 600, 800}},
-          {"formats", fileFormats()}};
+          {"formats", writtenFormats()}};
 }
 
 }  // namespace vdbtools::explore

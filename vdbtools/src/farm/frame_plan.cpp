@@ -41,7 +41,7 @@ std::string nameFor(const FramePlanOptions& options, const OptionTable& table) {
 
 void playTarget(FramePlanOptions& options) {
   const auto input = options.base.find("input");
-  if (input == options.base.end() || !isGltfPath(input->second) || hasFramePattern(input->second)) return;
+  if (input == options.base.end() || !mayBeAnimated(input->second) || hasFramePattern(input->second)) return;
   const bool isChosen = options.base.contains(kTargetFrame) ||
                         std::any_of(options.keys.begin(), options.keys.end(),
                                     [](const KeyedOption& option) { return option.name == kTargetFrame; });

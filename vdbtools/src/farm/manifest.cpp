@@ -244,14 +244,23 @@ const PlannedTask& taskOf(const Manifest& manifest, std::uint64_t index) {
 
 }  // namespace
 
-bool makes(const Manifest& manifest, std::string_view format) {
-  return std::find(manifest.makes.begin(), manifest.makes.end(), format) != manifest.makes.end();
+bool makes(const Manifest& manifest, std::string_view product) {
+  return std::find(manifest.makes.begin(), manifest.makes.end(), product) != manifest.makes.end();
 }
 
-bool isMeshFormat(std::string_view product) { return product != "vdb" && product != kMakeCount; }
+std::vector<const FileFormat*> formatsOf(const std::vector<std::string>& products) {
+  std::vector<const FileFormat*> formats;
+  for (const std::string& product : products)
+    if (const FileFormat* const format = findFormat('.' + product)) formats.push_back(format);
+  return formats;
+}
+
+bool makesGrids(const Manifest& manifest) {
+  return std::ranges::any_of(formatsOf(manifest.makes), &FileFormat::writesGrids);
+}
 
 bool makesMesh(const Manifest& manifest) {
-  return std::any_of(manifest.makes.begin(), manifest.makes.end(), isMeshFormat);
+  return std::ranges::any_of(formatsOf(manifest.makes), &FileFormat::writesMesh);
 }
 
 std::string encodeManifest(const Manifest& manifest) {

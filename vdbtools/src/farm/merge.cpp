@@ -11,7 +11,6 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_file.h"
@@ -127,7 +126,7 @@ nlohmann::json writeOneTile(const fs::path& folder, const TileJob& job, std::uin
                       "; plan again with more tiles");
     MeshCounts counts = writeMesh(tile, {.keepGuests = true},
                                   {.path = pieceOf(listed, index, ".ply"),
-                                   .options = meshOptions(job, MeshFormat::Ply),
+                                   .options = meshOptions(job, meshFormat(".ply")),
                                    .attributes = attributes,
                                    .offset = latticeOffset(job.options, lattice.voxelSize)},
                                   files, monitor);
@@ -140,7 +139,7 @@ nlohmann::json writeOneTile(const fs::path& folder, const TileJob& job, std::uin
     result.mesh.points += counts.points;
     result.mesh.triangles += counts.triangles;
   }
-  if (makes(manifest, "vdb")) {
+  if (makesGrids(manifest)) {
     const VdbFile file = readVdb(folder / tileGridsName(index));
     if (const openvdb::FloatGrid::Ptr part = partNamed(file, "surface"); part && !part->empty()) {
       finishLevelSet(*part);
@@ -181,9 +180,10 @@ void requirePlace(const fs::path& path) {
 
 void requireMergeable(const fs::path& folder, const TileJob& job, const MergeOptions& options) {
   const Manifest& manifest = job.manifest;
-  if (!options.vdb && !options.mesh) throw std::invalid_argument("no file was named for what is merged");
-  if (options.vdb && !makes(manifest, "vdb"))
-    throw std::invalid_argument("the tasks of the plan make no grids, so '" + inOneLine(options.vdb->native()) +
+  if (!options.grids && !options.mesh) throw std::invalid_argument("no file was named for what is merged");
+  if (options.grids) gridFormat(*options.grids);
+  if (options.grids && !makesGrids(manifest))
+    throw std::invalid_argument("the tasks of the plan make no grids, so '" + inOneLine(options.grids->native()) +
                                 "' cannot be merged from them" + planAgainWith(manifest, "vdb"));
   if (options.mesh) {
     const std::string name = "'" + inOneLine(options.mesh->native()) + "'",
@@ -198,7 +198,7 @@ void requireMergeable(const fs::path& folder, const TileJob& job, const MergeOpt
                                   planAgainWith(manifest, format));
   }
   OutputPlaces places(planInputs(folder, manifest));
-  for (const std::optional<fs::path>& file : {options.vdb, options.mesh})
+  for (const std::optional<fs::path>& file : {options.grids, options.mesh})
     if (file) {
       places.claim(*file);
       requirePlace(*file);
@@ -207,7 +207,7 @@ void requireMergeable(const fs::path& folder, const TileJob& job, const MergeOpt
 
 void requireMergeable(const fs::path& folder, const TileJob& job, const fs::path& index) {
   const Manifest& manifest = job.manifest;
-  if (makes(manifest, "vdb") && job.files.islands)
+  if (makesGrids(manifest) && job.files.islands)
     throw std::invalid_argument(
         "islands are dropped, and the distances to what is left of them are not known tile by tile; merge into one "
         "VDB, or plan again with --make ply alone");
@@ -244,7 +244,7 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
   requireMergeable(folder, job, options);
   OutputFiles files(planInputs(folder, manifest));
   sweepPlan(folder, manifest);
-  AtomicFile* const vdb = options.vdb ? &files.add(*options.vdb) : nullptr;
+  AtomicFile* const gridFile = options.grids ? &files.add(*options.grids) : nullptr;
   MergeResult result{.crumbs = requireDone(folder, job, monitor)};
   const std::optional<PlanIslands> joined = joinIslands(folder, job, monitor);
   const PlanIslands* const islands = joined ? &*joined : nullptr;
@@ -254,11 +254,12 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
     result.mesh = mergeMesh(folder, job, options, islands, attributes.get(), files, monitor);
     requireTriangles(result);
   }
-  if (vdb) {
+  if (gridFile) {
     const std::vector<openvdb::GridBase::Ptr> grids =
         mergeGrids(folder, job, islands, attributes.get(), result, monitor);
     monitor.begin(PhaseKind::Writing, 0);
-    vdb->stream() << encodeVdb(grids, vdbWriteOptions(job.options.output, manifest.metadata));
+    writeGrids(gridFile->stream(), gridFormat(*options.grids), grids,
+               vdbWriteOptions(job.options.output, manifest.metadata));
   }
   monitor.throwIfCancelled();
   commit(files, result);

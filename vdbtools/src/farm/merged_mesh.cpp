@@ -86,7 +86,7 @@ std::optional<PlanIslands> joinIslands(const fs::path& folder, const TileJob& jo
   return islands;
 }
 
-MeshWriteOptions meshOptions(const TileJob& job, MeshFormat format) {
+MeshWriteOptions meshOptions(const TileJob& job, const FileFormat& format) {
   const TileLattice& lattice = job.lattice();
   MeshWriteOptions options = meshWriteOptions(format, job.options.output, job.manifest.metadata);
   options.voxelSize = lattice.voxelSize;
@@ -112,7 +112,7 @@ MeshCounts writeMesh(std::vector<TileReader>& tiles, const TileMergeOptions& mer
 MeshCounts mergeMesh(const fs::path& folder, const TileJob& job, const MergeOptions& options,
                      const PlanIslands* islands, const PlanAttributes* attributes, OutputFiles& files,
                      Monitor& monitor) {
-  const MeshFormat format = meshFormat(*options.mesh);
+  const FileFormat& format = meshFormat(*options.mesh);
   std::vector<TileReader> tiles = openTiles(folder, job, islands, islands && islands->capMesh);
   std::uint64_t points = 0, triangles = 0;
   for (const TileReader& tile : tiles) {

@@ -55,7 +55,7 @@ struct PlanIslands {
 std::optional<PlanIslands> joinIslands(const std::filesystem::path& folder, const TileJob& job, Monitor& monitor);
 
 /// How a mesh of the plan is written.
-MeshWriteOptions meshOptions(const TileJob& job, MeshFormat format);
+MeshWriteOptions meshOptions(const TileJob& job, const FileFormat& format);
 
 /// Opens the mesh of a tile.
 /// @param islands  to drop the other islands; may be null

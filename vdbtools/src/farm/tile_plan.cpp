@@ -10,7 +10,6 @@
 #include "vdbtools/farm/plan_folder.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_hash.h"
-#include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/scene/prepared_scene.h"
@@ -104,11 +103,11 @@ void cut(const CoordBBox& box, std::vector<CoordBBox> work, int count, std::vect
 
 /// Checks that the merged products can hold the fractal; its tiles always can.
 void requireFormats(const std::vector<std::string>& makes, double voxelSize, const FieldPlan& whole) {
-  for (const std::string& extension : makes)
-    if (extension == "vdb")
+  for (const FileFormat* format : formatsOf(makes))
+    if (format->writesGrids)
       requireVdbVoxel(voxelSize);
-    else if (isMeshFormat(extension))
-      needsDoublePositions({.format = meshFormat("mesh." + extension), .voxelSize = voxelSize, .box = meshBox(whole)});
+    else
+      needsDoublePositions({.format = format, .voxelSize = voxelSize, .box = meshBox(whole)});
 }
 
 /// Boxes of nodes that the tiles must cover.

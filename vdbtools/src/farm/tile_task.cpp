@@ -7,7 +7,6 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/scene/prepared_scene.h"
@@ -141,7 +140,7 @@ std::string tileCountName(std::uint64_t index) { return numbered(index, ".json")
 
 TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options) {
   if (makes(manifest, kMakeCount)) return {.count = true};
-  TileFiles files{.mesh = makesMesh(manifest), .grids = makes(manifest, "vdb"), .islands = dropsIslands(options)};
+  TileFiles files{.mesh = makesMesh(manifest), .grids = makesGrids(manifest), .islands = dropsIslands(options)};
   if (!files.islands || !files.grids) return files;
   const GridPlan grids = planGrids(options.output);
   files.cappedMesh = grids.needsLevelSet();
@@ -152,7 +151,7 @@ TileFiles tileFiles(const Manifest& manifest, const FractalOptions& options) {
 
 TileJob tileJob(const Manifest& manifest) {
   TileJob job{.manifest = manifest, .options = parseFractalOptions(manifest.recipe), .grids = {}, .files = {}};
-  if (makes(manifest, "vdb")) job.grids = planGrids(job.options.output);
+  if (makesGrids(manifest)) job.grids = planGrids(job.options.output);
   job.files = tileFiles(manifest, job.options);
   return job;
 }
@@ -223,9 +222,8 @@ bool tilesNeedDoubles(const TileJob& job) {
   // They are rounded once, after they are moved.
   if (latticeOffset(job.options, lattice.voxelSize) != openvdb::Vec3d(0)) return true;
   const openvdb::BBoxd box = meshBox({.domain = lattice.domain, .voxelSize = lattice.voxelSize});
-  return std::any_of(job.manifest.makes.begin(), job.manifest.makes.end(), [&](const std::string& format) {
-    return isMeshFormat(format) &&
-           needsDoublePositions({.format = meshFormat("mesh." + format), .voxelSize = lattice.voxelSize, .box = box});
+  return std::ranges::any_of(formatsOf(job.manifest.makes), [&](const FileFormat* format) {
+    return format->writesMesh && needsDoublePositions({.format = format, .voxelSize = lattice.voxelSize, .box = box});
   });
 }
 
@@ -245,7 +243,7 @@ const Scene& TileMaker::scene() {
 
 TaskCounts TileMaker::make(std::uint64_t index, Monitor& monitor) {
   const bool onlyCounts = makes(mManifest, kMakeCount);
-  const FractalProducts wanted{.grids = makes(mManifest, "vdb"), .mesh = makesMesh(mManifest) || onlyCounts};
+  const FractalProducts wanted{.grids = makesGrids(mManifest), .mesh = makesMesh(mManifest) || onlyCounts};
   const TileFiles& written = mJob.files;
   OutputFiles files(inputsOf(mJob.options));
   AtomicFile* const mesh = written.mesh ? &files.add(mFolder / tileMeshName(index)) : nullptr;

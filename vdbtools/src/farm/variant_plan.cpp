@@ -5,7 +5,6 @@
 #include "scene/file_hashes.h"
 
 #include "vdbtools/files/frame_name.h"
-#include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
@@ -71,10 +70,10 @@ void shareEntries(Manifest& manifest) {
 
 void requireMakes(PlanKind kind, const std::vector<std::string>& makes) {
   if (kind == PlanKind::Tiles && makes == std::vector<std::string>{kMakeCount}) return;
-  std::vector<std::string> known = {"vdb"}, seen;
-  for (const std::string& extension : split(kMeshExtensions, ' ')) known.push_back(extension.substr(1));
-  const std::string wanted = std::string("a list of vdb, ") + kMeshFormatNames +
-                             (kind == PlanKind::Tiles ? std::string("; or ") + kMakeCount + " alone" : "");
+  const std::vector<std::string> known = writtenFormats();
+  std::vector<std::string> seen;
+  std::string wanted = "a list of " + writtenFormatsText();
+  if (kind == PlanKind::Tiles) wanted += std::string("; or ") + kMakeCount + " alone";
   for (const std::string& extension : makes) {
     if (std::find(known.begin(), known.end(), extension) == known.end()) refuse("make", extension, wanted);
     if (std::find(seen.begin(), seen.end(), extension) != seen.end())

@@ -6,7 +6,6 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_files.h"
 
 #include <functional>
@@ -28,11 +27,7 @@ class TaskFiles {
       std::error_code error;
       std::filesystem::create_directories(path.parent_path(), error);
       if (error) throw CreateError("cannot make the folder '" + path.parent_path().string() + "': " + error.message());
-      AtomicFile& file = mFiles.add(path);
-      if (isVdbPath(path))
-        mWanted.vdb = &file;
-      else
-        mWanted.meshes.push_back({&file, meshFormat(path)});
+      mWanted.files.push_back({&mFiles.add(path), findFormat(name)});
     }
   }
 
@@ -103,7 +98,7 @@ TaskCounts VariantMaker::make(std::uint64_t index, Monitor& monitor) {
   });
   files.commit();
   TaskCounts counts{{{"evaluatedNodes", result.evaluatedNodes}}};
-  if (!files.wanted().meshes.empty()) {
+  if (files.wanted().wantMesh()) {
     counts.counts["triangles"] = result.mesh.triangles;
     counts.counts["points"] = result.mesh.points;
   }

@@ -313,6 +313,4 @@ NvdbFile readNvdb(const std::filesystem::path& path) {
   }
 }
 
-bool isNvdbPath(const std::filesystem::path& path) { return lowerExtension(path) == ".nvdb"; }
-
 }  // namespace vdbtools

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "formats/grid_formats.h"
 #include "formats/nvdb_layout.h"
 #include "formats/turn_matrix.h"
 
@@ -214,5 +215,10 @@ std::vector<NvdbWritten> writeNvdb(std::ostream& stream, const std::vector<openv
 }
 
 #endif
+
+std::vector<NvdbWritten> writeNvdbGrids(std::ostream& stream, const std::vector<openvdb::GridBase::Ptr>& grids,
+                                        const VdbWriteOptions& options, NvdbValues values) {
+  return writeNvdb(stream, renamed(grids, options.names), {.values = values, .turn = options.turn});
+}
 
 }  // namespace vdbtools

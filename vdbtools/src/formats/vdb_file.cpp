@@ -2,6 +2,7 @@
 #include "vdbtools/formats/vdb_file.h"
 
 #include "base/lattice_transform.h"
+#include "formats/grid_formats.h"
 #include "formats/turn_matrix.h"
 #include "formats/vdb_check.h"
 #include "formats/vdb_cursor.h"
@@ -378,6 +379,10 @@ openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& 
   return candidates.front();
 }
 
-bool isVdbPath(const std::filesystem::path& path) { return lowerExtension(path) == ".vdb"; }
+std::vector<NvdbWritten> writeVdbGrids(std::ostream& stream, const std::vector<openvdb::GridBase::Ptr>& grids,
+                                       const VdbWriteOptions& options, NvdbValues) {
+  stream << encodeVdb(grids, options);
+  return {};
+}
 
 }  // namespace vdbtools

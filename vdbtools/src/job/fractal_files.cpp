@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/fractal_files.h"
 
-#include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/mesh_files/mesh_file.h"
 
+#include <algorithm>
 #include <list>
 #include <stdexcept>
 #include <utility>
@@ -41,28 +41,37 @@ void writeGrids(const Scene& scene, const std::map<std::string, std::string>& me
   if (!result.check.failure.empty())
     throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
   const VdbWriteOptions options = vdbWriteOptions(scene.options.output, metadata);
-  if (!files.nvdb) {
-    files.vdb->stream() << encodeVdb(result.grids, options);
-    return;
+  for (const FractalFile& wanted : files.files) {
+    if (!wanted.format->writesGrids) continue;
+    std::vector<NvdbWritten> written =
+        vdbtools::writeGrids(wanted.file->stream(), *wanted.format, result.grids, options, files.nvdb);
+    if (files.nvdbReport && wanted.format->nvdbBits) *files.nvdbReport = std::move(written);
   }
-  std::vector<NvdbWritten> written = writeNvdb(files.vdb->stream(), renamed(result.grids, options.names),
-                                               {.values = *files.nvdb, .turn = options.turn});
-  if (files.nvdbReport) *files.nvdbReport = std::move(written);
 }
 
 /// Adds to @a meshes the mesh files of @a files, for a mesh that lies in @a box.
 void addMeshFiles(MeshFiles& meshes, const Scene& scene, const openvdb::BBoxd& box,
                   const std::map<std::string, std::string>& metadata, const FractalFiles& files) {
-  if (!files.vdb && files.meshes.empty()) throw std::invalid_argument("no file was given for the fractal");
-  for (const FractalMeshFile& mesh : files.meshes) {
-    MeshWriteOptions options = meshWriteOptions(mesh.format, scene.options.output, metadata);
+  if (files.files.empty()) throw std::invalid_argument("no file was given for the fractal");
+  for (const FractalFile& mesh : files.files) {
+    if (!mesh.format->writesMesh) continue;
+    MeshWriteOptions options = meshWriteOptions(*mesh.format, scene.options.output, metadata);
     options.voxelSize = scene.voxelSize;
     options.box = box;
     meshes.add(*mesh.file, options);
   }
 }
 
+bool anyIs(const FractalFiles& files, bool FileFormat::*fact) {
+  return std::any_of(files.files.begin(), files.files.end(),
+                     [&](const FractalFile& file) { return file.format->*fact; });
+}
+
 }  // namespace
+
+bool FractalFiles::wantGrids() const { return anyIs(*this, &FileFormat::writesGrids); }
+
+bool FractalFiles::wantMesh() const { return anyIs(*this, &FileFormat::writesMesh); }
 
 VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::string, std::string> metadata) {
   VdbWriteOptions options = vdbWriteOptions(output.axes, std::move(metadata));
@@ -72,7 +81,7 @@ VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::strin
   return options;
 }
 
-MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output,
+MeshWriteOptions meshWriteOptions(const FileFormat& format, const OutputOptions& output,
                                   std::map<std::string, std::string> metadata) {
   MeshWriteOptions options = meshWriteOptions(format, output.axes, std::move(metadata));
   options.columns = meshColumns(output.attributes);
@@ -81,14 +90,14 @@ MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output
 }
 
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor) {
-  const FractalPlan plan = planFractal(scene, {.grids = files.vdb != nullptr, .mesh = !files.meshes.empty()});
+  const FractalPlan plan = planFractal(scene, {.grids = files.wantGrids(), .mesh = files.wantMesh()});
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
-  if (files.vdb) requireVdbVoxel(scene.voxelSize);
+  if (files.wantGrids()) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(plan.nodes), metadata, files);
   FractalResult result = runFractal(scene, plan, plan.mesh ? &meshes : nullptr, monitor);
   monitor.begin(PhaseKind::Writing, 0);
-  if (files.vdb) writeGrids(scene, metadata, result, files);
+  if (files.wantGrids()) writeGrids(scene, metadata, result, files);
   result.levels = meshes.finish();
   monitor.throwIfCancelled();
   return result;
@@ -98,10 +107,10 @@ void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalRes
                       std::span<const float> values, const FractalFiles& files, Monitor& monitor) {
   monitor.begin(PhaseKind::Writing, 0);
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
-  if (files.vdb) requireVdbVoxel(scene.voxelSize);
+  if (files.wantGrids()) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
-  if (files.vdb) writeGrids(scene, metadata, made, files);
+  if (files.wantGrids()) writeGrids(scene, metadata, made, files);
   meshes.addPoints({mesh.points, mesh.normals, values});
   meshes.addTriangles(mesh.triangles, 0);
   meshes.finish();

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/job/made_fractal.h"
-#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh_files/mesh_writer.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>
@@ -38,10 +37,11 @@ bool holdsFractal(const std::filesystem::path& path, const Recipe& recipe) {
     return hasAll && recipeFromMetadata(metadata, fractalOptionTable()) == recipe;
   };
   try {
-    // The recipe is at the beginning of a file, so most other files are recognised before the rest is read.
-    if (isVdbPath(path)) return isTheRecipe(readVdbMetadata(path)) && !readVdb(path).grids.empty();
-    if (lowerExtension(path) == ".obj" && !endsWithItsLine(path)) return false;
-    return isTheRecipe(readMeshComments(path)) && !readMesh(path).triangles.empty();
+    const FileFormat* const format = findFormat(path.native());
+    if (!format || !format->recipe || (format->endsUnmarked && !endsWithItsLine(path))) return false;
+    // The recipe stands at the beginning: it tells most other files before the rest is read.
+    if (!isTheRecipe(readFileTexts(path))) return false;
+    return format->readsGrids ? !readVdb(path).grids.empty() : !readMesh(path).triangles.empty();
   } catch (const std::exception&) {
     return false;  // broken, or not made by this program
   }

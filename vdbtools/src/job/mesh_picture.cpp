@@ -3,7 +3,7 @@
 
 #include "base/timed_part.h"
 #include "field/block_layers.h"
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_sink.h"
@@ -32,7 +32,7 @@ Mesh meshOfFile(const Scene& scene, const OutputOptions& output, Monitor& monito
   std::vector<float> values;
   MeshCollector collector(mesh, &values);
   runFractal(scene, plan, &collector, monitor);
-  MeshWriteOptions options = meshWriteOptions(MeshFormat::Ply, output, {});
+  MeshWriteOptions options = meshWriteOptions(meshFormat(".ply"), output, {});
   options.voxelSize = scene.voxelSize;
   options.box = meshBox(plan.nodes);
   std::ostringstream file;
@@ -57,7 +57,7 @@ void requireMeshView(const ViewOptions& view) {
 
 Image meshPicture(const Scene& scene, const ViewOptions& view, const Look& look, Monitor& monitor) {
   requireMeshView(view);
-  const UpAxis up = view.upAxis.value_or(scene.options.output.axes.ofMesh(MeshFormat::Ply));
+  const UpAxis up = view.upAxis.value_or(scene.options.output.axes.of(meshFormat(".ply")));
   const PreviewOptions picture{
       .width = view.width, .height = view.height, .samples = view.samples, .view = view.angles, .up = up, .look = look};
   return renderMeshPreview(meshOfFile(scene, scene.options.output, monitor), {.picture = picture}, monitor).beauty;

@@ -5,7 +5,7 @@
 #include "recipe/option_rows.h"
 #include "repair/solid_input.h"
 #include "vdbtools/files/file_hash.h"
-#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/surface/grid_mesh.h"
 #include "vdbtools/target/target_input.h"
@@ -43,8 +43,9 @@ const OptionRows<SdfOptions>& sdfRows() {
   static const OptionRows<SdfOptions> rows{
       {{.name = "input",
         .argument = "MESH|SDF.vdb",
-        .help = "the mesh: .obj, .ply, .stl, .off, .3mf, .glb or .gltf; with --points-radius a cloud of points; or a "
-                "VDB, whose level set gets a band of another width, or whose volume becomes a level set",
+        .help = "the mesh: " + extensionsOf(&FileFormat::readsMesh) +
+                "; with --points-radius a cloud of points; or a VDB, whose level set gets a band of another width, or "
+                "whose volume becomes a level set",
         .hash = "source-sha256"},
        parsedBy([](const RecipeReader& reader, const std::string& name, SdfOptions& options) {
          options.input = reader.text(name);

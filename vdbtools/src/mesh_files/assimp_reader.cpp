@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // FBX, DAE, 3DS and X3D by Assimp. Its importers parse the bytes; all else is done here, with the checks of the other
 // readers, and none of Assimp's processing steps is used.
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh_files/importer_trust.h"
 
@@ -25,6 +25,8 @@
 
 #include <cmath>
 #include <exception>
+#include <istream>
+#include <iterator>
 #include <limits>
 #include <new>
 #include <utility>
@@ -34,7 +36,6 @@
 namespace vdbtools {
 namespace {
 
-constexpr std::array<std::string_view, 4> kImportedExtensions = {".fbx", ".dae", ".3ds", ".x3d"};
 constexpr const char* kConversion = "convert it to .glb, for example with Blender";
 
 std::atomic<bool> theImporterIsTrusted = false;
@@ -53,10 +54,6 @@ void trustImporter(bool isTrusted) { theImporterIsTrusted = isTrusted; }
 
 bool isImporterTrusted() { return theImporterIsTrusted; }
 
-bool isImportedExtension(const std::string& extension) {
-  return std::find(kImportedExtensions.begin(), kImportedExtensions.end(), extension) != kImportedExtensions.end();
-}
-
 #ifndef VDBTOOLS_ASSIMP
 
 bool canImport() { return false; }
@@ -66,7 +63,9 @@ Mesh readImported(const std::filesystem::path& path, std::string_view) {
                   ": " VDBTOOLS_NO_ASSIMP "; " + kConversion);
 }
 
-std::string unitOfImported(const std::filesystem::path&, std::string_view) { return {}; }
+FileTexts unitTextOfFbx(std::istream&) { return {}; }
+
+FileTexts unitTextOfDae(std::istream&) { return {}; }
 
 #else
 
@@ -254,6 +253,22 @@ class ImportedMesh {
   Mesh mMesh;
 };
 
+/// @param path  has the extension of the format
+FileTexts unitTextOf(const std::filesystem::path& path, std::istream& stream) {
+  constexpr double kNearlyEqual = 1e-5;  // relative; Assimp has floats
+  if (!isImporterTrusted()) return {};
+  const std::string contents(std::istreambuf_iterator<char>(stream), {});
+  try {
+    Assimp::Importer importer;
+    const double metres = spaceOf(importScene(path, contents, importer), lowerExtension(path)).metres;
+    for (const LengthUnit unit : kLengthUnits)
+      if (std::abs(metres / metresOf(unit) - 1) < kNearlyEqual) return {{kLengthUnit, nameOf(unit)}};
+  } catch (const DataError&) {
+    // readMesh() will say that the file is broken.
+  }
+  return {};
+}
+
 }  // namespace
 
 bool canImport() { return true; }
@@ -264,16 +279,9 @@ Mesh readImported(const std::filesystem::path& path, std::string_view contents) 
   return ImportedMesh(path, scene).join(spaceOf(scene, lowerExtension(path)).turn);
 }
 
-std::string unitOfImported(const std::filesystem::path& path, std::string_view contents) {
-  constexpr double kNearlyEqual = 1e-5;  // relative; Assimp has floats
-  const std::string extension = lowerExtension(path);
-  if (!isImporterTrusted() || (extension != ".fbx" && extension != ".dae")) return {};
-  Assimp::Importer importer;
-  const double metres = spaceOf(importScene(path, contents, importer), extension).metres;
-  for (const LengthUnit unit : kLengthUnits)
-    if (std::abs(metres / metresOf(unit) - 1) < kNearlyEqual) return nameOf(unit);
-  return {};
-}
+FileTexts unitTextOfFbx(std::istream& stream) { return unitTextOf("a.fbx", stream); }
+
+FileTexts unitTextOfDae(std::istream& stream) { return unitTextOf("a.dae", stream); }
 
 #endif
 

@@ -5,6 +5,7 @@
 #include "base/percent_decoded.h"
 #include "mesh_files/draco_decoder.h"
 #include "mesh_files/glb_format.h"
+#include "mesh_files/mesh_formats.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
@@ -468,22 +469,16 @@ GltfArray GltfFile::matrices(std::uint64_t index) const {
   return typedArray(accessor, name, kNumbers);
 }
 
-std::map<std::string, std::string> readGltfExtras(const std::filesystem::path& path) {
-  std::ifstream file = openToRead(path);
-  std::map<std::string, std::string> texts;
+FileTexts glbTexts(std::istream& stream) {
+  FileTexts texts;
   char head[glb::kFileHead + glb::kChunkHead] = {};
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(pathToOpen(path), error);
-  const auto read = [&](char* to, std::size_t bytes) {
-    file.read(to, static_cast<std::streamsize>(bytes));
-    if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
-    return bool(file);
-  };
-  if (error || !read(head, sizeof head) || std::string_view(head, 4) != kMagic) return texts;
+  if (!stream.read(head, sizeof head) || std::string_view(head, 4) != kMagic) return texts;
   const auto length = load<std::uint32_t>(head + glb::kFileHead);
-  if (length > size || load<std::uint32_t>(head + glb::kFileHead + 4) != glb::kJsonChunk) return texts;
+  if (load<std::uint32_t>(head + glb::kFileHead + 4) != glb::kJsonChunk) return texts;
+  const std::streamoff begin = stream.tellg(), left = stream.seekg(0, std::ios::end).tellg() - begin;
+  if (length > left) return texts;
   std::string text(length, '\0');
-  if (!read(text.data(), length)) return texts;
+  if (!stream.seekg(begin).read(text.data(), length)) return texts;
   const Json json = parsedJson<Json>(text);
   if (!json.is_object() || !json.contains("asset") || !json["asset"].is_object()) return texts;
   const Json& asset = json["asset"];

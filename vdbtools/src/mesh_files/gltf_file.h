@@ -106,8 +106,4 @@ class GltfFile {
   std::map<std::uint64_t, Decoded> mDecoded;  ///< by the numbers of accessors
 };
 
-/// The texts in the extras of the asset of a GLB that this project wrote; empty for any other file.
-/// @throw MissingInputError, IoError
-std::map<std::string, std::string> readGltfExtras(const std::filesystem::path& path);
-
 }  // namespace vdbtools

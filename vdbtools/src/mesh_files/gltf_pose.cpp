@@ -357,13 +357,13 @@ Vec3d GltfShape::point(std::uint64_t i) const {
   return whole > 0 ? sum / whole : mJoints.front().point(p);
 }
 
-bool isGltfPath(const std::filesystem::path& path) {
-  const std::string extension = meshExtension(path);
-  return extension == ".glb" || extension == ".gltf";
+bool mayBeAnimated(const std::filesystem::path& path) {
+  const FileFormat* const format = formatOfMesh(path);
+  return format && format->animations;
 }
 
 std::vector<MeshAnimation> readAnimations(const std::filesystem::path& path) {
-  if (!isGltfPath(path)) return {};
+  if (!mayBeAnimated(path)) return {};
   const std::string contents = readWholeFile(path);
   const GltfFile file(path, contents);
   std::vector<MeshAnimation> animations;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The triangles of a glTF's default scene as one mesh.
-#include "mesh_files/format_readers.h"
 #include "mesh_files/gltf_file.h"
 #include "mesh_files/gltf_pose.h"
+#include "mesh_files/mesh_formats.h"
 #include "mesh_files/usable_points.h"
+#include "vdbtools/base/utf8.h"
 
 #include <nlohmann/json.hpp>
 
@@ -228,6 +229,14 @@ std::vector<std::uint64_t> rootsOf(const GltfFile& file) {
 }
 
 }  // namespace
+
+bool beginsAsGlb(std::string_view head, std::uintmax_t) { return head.starts_with("glTF"); }
+
+bool beginsAsGltf(std::string_view head, std::uintmax_t) {
+  const std::string_view text = withoutByteOrderMark(head);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '{';
+}
 
 Mesh readGltf(const std::filesystem::path& path, std::string_view contents, const std::optional<MeshMoment>& moment) {
   const GltfFile file(path, contents);

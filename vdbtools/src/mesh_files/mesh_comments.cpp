@@ -1,29 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh_files/mesh_comments.h"
 
-#include "mesh_files/mesh_encoder.h"
-#include "vdbtools/base/length_unit.h"
 #include "vdbtools/base/utf8.h"
+
+#include <algorithm>
+#include <istream>
 
 namespace vdbtools {
 namespace {
 
-/// The unit in the title of an STL, which ends with the first zero.
-std::map<std::string, std::string> stlUnit(std::istream& stream) {
-  constexpr std::size_t kTitle = 80;
-  std::string title(kTitle, '\0');
-  stream.read(title.data(), kTitle);
-  if (!title.starts_with(kStlUnit)) return {};
-  return {{kLengthUnit, title.substr(kStlUnit.size(), title.find('\0') - kStlUnit.size())}};
+constexpr const char* kCommentMark = "juliavdb ";
+
+/// Keeps a comment in one line.
+std::string oneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
 }
 
 }  // namespace
 
-std::map<std::string, std::string> readMeshComments(std::istream& stream, const std::string& extension) {
-  std::map<std::string, std::string> comments;
-  if (extension == ".stl") return stlUnit(stream);
-  if (extension != ".ply" && extension != ".obj") return comments;
-  const std::string prefix = (extension == ".ply" ? "comment " : "# ") + std::string(kCommentMark);
+std::string commentLines(const std::string& start, const FileTexts& texts) {
+  std::string lines;
+  for (const auto& [key, value] : texts)
+    lines.append(start).append(kCommentMark).append(key + ' ' + oneLine(value) + '\n');
+  return lines;
+}
+
+FileTexts readCommentLines(std::istream& stream, const std::string& start) {
+  FileTexts comments;
+  const std::string prefix = start + kCommentMark;
   bool first = true;
   for (std::string line; std::getline(stream, line);) {
     if (first) line = withoutByteOrderMark(line);

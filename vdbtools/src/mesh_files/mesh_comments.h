@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file mesh_comments.h
-/// The comments of a PLY or OBJ that this project wrote.
+/// The recipe as comments at the beginning of a text: lines "START juliavdb KEY VALUE".
 #pragma once
 
-#include <istream>
-#include <map>
+#include "vdbtools/files/file_format.h"
+
+#include <iosfwd>
 #include <string>
 
 namespace vdbtools {
 
+/// @param start  what a comment of the format begins with
+std::string commentLines(const std::string& start, const FileTexts& texts);
+
 /// Reads the comments from the file's beginning, up to the first line that is not a comment of this project. The state
 /// of the stream shows read errors.
-/// @param extension  ".ply" or ".obj"; for any other nothing is read
-std::map<std::string, std::string> readMeshComments(std::istream& stream, const std::string& extension);
+FileTexts readCommentLines(std::istream& stream, const std::string& start);
 
 }  // namespace vdbtools

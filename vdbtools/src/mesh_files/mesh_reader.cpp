@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh_files/mesh_reader.h"
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/utf8.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
 #include "vdbtools/mesh/mesh.h"
@@ -10,7 +9,6 @@
 #include "vdbtools/mesh_files/point_cloud.h"
 
 #include <string>
-#include <string_view>
 
 namespace vdbtools {
 namespace {
@@ -31,54 +29,21 @@ std::string contentsOf(const std::filesystem::path& path) {
 /// With triangles or without.
 Mesh readAny(const std::filesystem::path& path, const std::optional<MeshMoment>& moment) {
   const std::string contents = contentsOf(path);
-  const std::string extension = meshExtension(path);
-  const bool isGltf = isGltfPath(path);
-  const auto reader = extension == ".obj"              ? readObj
-                      : extension == ".off"            ? readOff
-                      : extension == ".ply"            ? readPly
-                      : extension == ".stl"            ? readStl
-                      : extension == ".3mf"            ? read3mf
-                      : isImportedExtension(extension) ? readImported
-                                                       : nullptr;
-  if (!reader && !isGltf) {
-    throw DataError(path.string() + ": the format '" + extension +
-                    "' cannot be read; name a file that ends in .obj, .ply, .stl, .off, .3mf, .glb or .gltf");
+  const FileFormat* const format = formatOfMesh(path);
+  if (!format || !format->readsMesh) {
+    throw DataError(path.string() + ": the format '" + lowerExtension(path) +
+                    "' cannot be read; name a file that ends in " +
+                    formatTexts(meshFormats(), &FileFormat::readsMesh, &FileFormat::extension));
   }
   if (contents.empty()) throw DataError(path.string() + ": the file is empty (0 bytes); export the mesh again");
-
-  if (isGltf) return weldMesh(readGltf(path, contents, moment));
-  if (moment) throw DataError(path.string() + ": it has no animation, which only a glTF may have");
-  Mesh mesh = reader(path, contents);
-  return reader == readStl ? weldMesh(mesh) : mesh;
-}
-
-constexpr std::size_t kHeadSize = 1 << 16;  ///< bytes; comments may precede what tells a format apart
-
-/// @param head  the first bytes of a file
-/// @param size  of the whole file
-std::string extensionByContent(std::string_view head, std::uintmax_t size) {
-  if (head.starts_with("glTF")) return ".glb";
-  if (head.starts_with("PK")) return ".3mf";
-  if (isStl(head, size)) return ".stl";
-  if (head.starts_with("ply")) return ".ply";
-  const std::string_view text = withoutByteOrderMark(head);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && text[first] == '{') return ".gltf";
-  return beginsAsOff(head) ? ".off" : ".obj";
+  if (moment && !format->animations)
+    throw DataError(path.string() + ": it has no animation, which only a glTF may have");
+  const MeshFormat& row = rowOf(*format);
+  Mesh mesh = row.read(path, contents, moment);
+  return row.isWelded ? weldMesh(mesh) : mesh;
 }
 
 }  // namespace
-
-std::string meshExtension(const std::filesystem::path& path) {
-  if (!isStandardInput(path)) return lowerExtension(path);
-  std::string head(kHeadSize, '\0');
-  std::ifstream stream = openToRead(path);
-  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(stream.gcount()));
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(pathToOpen(path), error);
-  return extensionByContent(head, error ? 0 : size);
-}
 
 Mesh readMesh(const std::filesystem::path& path) { return readMesh(path, std::nullopt); }
 

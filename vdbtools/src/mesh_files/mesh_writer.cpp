@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/mesh_files/mesh_writer.h"
 
-#include "mesh_files/format_readers.h"
-#include "mesh_files/gltf_file.h"
-#include "mesh_files/mesh_comments.h"
 #include "mesh_files/mesh_encoder.h"
+#include "mesh_files/mesh_formats.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/length_unit.h"
-#include "vdbtools/files/file_bytes.h"
-#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <algorithm>
-#include <fstream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -62,42 +57,54 @@ class BatchTurner {
   std::vector<Vec3s> mNormals;
 };
 
-}  // namespace
-
-MeshFormat meshFormat(const std::filesystem::path& path) {
-  const std::string extension = lowerExtension(path);
-  if (extension == ".ply") return MeshFormat::Ply;
-  if (extension == ".obj") return MeshFormat::Obj;
-  if (extension == ".stl") return MeshFormat::Stl;
-  if (extension == ".glb") return MeshFormat::Glb;
-  throw std::invalid_argument("'" + path.string() + "' is not a mesh format that can be written; use one of " +
-                              kMeshExtensions);
+/// @throw std::invalid_argument
+std::unique_ptr<MeshEncoder> encoderOf(const MeshWriteOptions& options) {
+  const MeshFormat& row = rowOf(*options.format);
+  if (row.encoder) return row.encoder(options);
+  throw std::invalid_argument(std::string(options.format->name) + " is not written in pieces");
 }
 
-std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const VertexColumn> columns) {
+}  // namespace
+
+std::vector<std::string> columnsLeftOut(const FileFormat& format, std::span<const VertexColumn> columns) {
+  const auto fits = [&](ColumnKind kind) {
+    switch (format.columns) {
+      case FormatColumns::None: return false;
+      case FormatColumns::Colours: return kind == ColumnKind::LinearRgb || kind == ColumnKind::TextureCoordinate;
+      case FormatColumns::OfVoxels: return kind != ColumnKind::TextureCoordinate;
+      case FormatColumns::All: return true;
+    }
+    throw std::logic_error("a kind of room for columns that does not exist");
+  };
   std::vector<std::string> names;
-  for (const VertexColumn& column : columns) {
-    const bool fitsObj = column.kind == ColumnKind::LinearRgb || column.kind == ColumnKind::TextureCoordinate;
-    if (format == MeshFormat::Stl || (format == MeshFormat::Obj && !fitsObj)) names.push_back(column.name);
-  }
+  for (const VertexColumn& column : columns)
+    if (!fits(column.kind)) names.push_back(column.name);
   return names;
 }
 
+bool needsDoublePositions(const MeshWriteOptions& options) { return encoderOf(options)->needsDoubles(); }
+
 void requireMeshCounts(const MeshWriteOptions& options, bool normals, std::uint64_t points, std::uint64_t triangles) {
-  MeshEncoder encoder(options);
-  encoder.setNormals(normals);
-  encoder.requireCounts(points, triangles);
+  const std::unique_ptr<MeshEncoder> encoder = encoderOf(options);
+  encoder->setNormals(normals);
+  encoder->requireCounts(points, triangles);
 }
 
 std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const MeshWriteOptions& options,
                                  std::span<const float> values) {
   requirePoints(mesh.triangles, 0, mesh.points.size());
+  if (const auto encodeWhole = rowOf(*options.format).encodeWhole) {
+    if (options.turn.turns() || options.scale != 1) throw std::logic_error("a whole mesh is to be turned or scaled");
+    stream << encodeWhole(mesh);
+    return {};
+  }
   MeshWriteOptions complete = options;
   if (!complete.box) {
     complete.box.emplace();
     for (const Vec3d& point : mesh.points) complete.box->expand(point);
   }
-  MeshEncoder encoder(complete);
+  const std::unique_ptr<MeshEncoder> made = encoderOf(complete);
+  MeshEncoder& encoder = *made;
   BatchTurner turner(options);
   const PointBatch points = turner({mesh.points, mesh.normals, values});
   requireFits(points, encoder.rowLength());
@@ -113,7 +120,7 @@ std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const M
   encoder.encodeCoordinates(points, whole);
   encoder.encodeNormals(points, whole);
   encoder.encodeTriangles(mesh.triangles, points.positions, 0, whole);
-  encoder.encodeLevels(whole);
+  encoder.encodeEnd(whole);
   whole.finish();
   return encoder.levels();
 }
@@ -121,17 +128,21 @@ std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const M
 struct MeshStreamWriter::State {
   State(std::ostream& target, const std::filesystem::path& folder, const MeshWriteOptions& options)
       : stream(target),
-        encoder(options),
+        made(encoderOf(options)),
+        encoder(*made),
         turner(options),
         seekable(stream.tellp() != std::ostream::pos_type(-1)),
-        points(stream,
-               scratch(folder, !seekable && (options.format == MeshFormat::Ply || options.format == MeshFormat::Glb))),
-        coordinates(stream, scratch(folder, options.format == MeshFormat::Obj)),
-        normals(stream, scratch(folder, options.format == MeshFormat::Obj)),
-        triangles(stream, scratch(folder, options.format != MeshFormat::Stl || !seekable)) {}
+        mayFollow(seekable || !encoder.headerHasCounts()),
+        points(part(encoder.parts().points, folder)),
+        coordinates(part(encoder.parts().coordinates, folder)),
+        normals(part(encoder.parts().normals, folder)),
+        triangles(part(encoder.parts().triangles, folder)) {}
 
-  static std::unique_ptr<ScratchFile> scratch(const std::filesystem::path& folder, bool needed) {
-    return needed ? std::make_unique<ScratchFile>(folder) : nullptr;
+  /// Where the header has its place, the first part that exists goes into the stream as it is made. The others wait.
+  MeshPart part(bool exists, const std::filesystem::path& folder) {
+    std::unique_ptr<ScratchFile> aside;
+    if (exists && !std::exchange(mayFollow, false)) aside = std::make_unique<ScratchFile>(folder);
+    return MeshPart(stream, std::move(aside));
   }
 
   /// Runs one call of the writer. Once a call has thrown, the mesh cannot be completed any more.
@@ -159,7 +170,7 @@ struct MeshStreamWriter::State {
   void finish() {
     if (pointCount == 0) begin(false);
     encoder.finishSurvey();
-    encoder.encodeLevels(triangles);
+    encoder.encodeEnd(triangles);
     encoder.requireCounts(pointCount, triangleCount);
     const std::string header = encoder.header(pointCount, triangleCount);
     if (encoder.headerHasCounts() && !seekable) stream << header;
@@ -182,13 +193,15 @@ struct MeshStreamWriter::State {
   }
 
   std::ostream& stream;
-  MeshEncoder encoder;
+  std::unique_ptr<MeshEncoder> made;
+  MeshEncoder& encoder;
   BatchTurner turner;
   bool seekable;
+  bool mayFollow;  ///< whether the next part may go into the stream as it is made
   MeshPart points, coordinates, normals, triangles;
   std::ostream::pos_type start = 0;  ///< of the header
   std::uint64_t pointCount = 0, triangleCount = 0, firstPoint = 0;
-  std::vector<Vec3d> window;  ///< points from windowStart on, for STL
+  std::vector<Vec3d> window;  ///< points from windowStart on, where triangles need them
   std::uint64_t windowStart = 0;
   bool usable = true;
 };
@@ -214,8 +227,7 @@ void MeshStreamWriter::addPoints(const PointBatch& unturned) {
     s.encoder.encodeCoordinates(batch, s.coordinates);
     s.encoder.encodeNormals(batch, s.normals);
     s.pointCount += batch.positions.size();
-    if (s.encoder.format() == MeshFormat::Stl)
-      s.window.insert(s.window.end(), batch.positions.begin(), batch.positions.end());
+    if (!s.encoder.parts().points) s.window.insert(s.window.end(), batch.positions.begin(), batch.positions.end());
   });
 }
 
@@ -229,7 +241,7 @@ void MeshStreamWriter::addTriangles(std::span<const Vec3I> triangles, std::uint6
     s.encoder.survey(triangles);
     s.encoder.encodeTriangles(triangles, s.window, s.windowStart, s.triangles);
     s.triangleCount += s.encoder.countOf(triangles, s.window, s.windowStart);
-    if (s.encoder.format() == MeshFormat::Stl) s.trimWindow();
+    if (!s.encoder.parts().points) s.trimWindow();
   });
 }
 
@@ -239,29 +251,5 @@ void MeshStreamWriter::finish() {
 }
 
 const std::vector<MeshLevel>& MeshStreamWriter::levels() const { return mState->encoder.levels(); }
-
-namespace {
-
-/// Empty, too, if the file is broken, which readMesh() will say.
-std::map<std::string, std::string> unitIn(const std::filesystem::path& path, const std::string& extension) {
-  try {
-    const std::string unit = (extension == ".3mf" ? unitOf3mf : unitOfImported)(path, readWholeFile(path));
-    if (!unit.empty()) return {{kLengthUnit, unit}};
-  } catch (const DataError&) {
-  }
-  return {};
-}
-
-}  // namespace
-
-std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path) {
-  std::ifstream file = openToRead(path);
-  const std::string extension = meshExtension(path);
-  if (extension == ".glb") return readGltfExtras(path);
-  if (extension == ".3mf" || isImportedExtension(extension)) return unitIn(path, extension);
-  std::map<std::string, std::string> comments = readMeshComments(file, extension);
-  if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
-  return comments;
-}
 
 }  // namespace vdbtools

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/polygon.h"
 #include "mesh_files/face_names.h"
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "mesh_files/text_scan.h"
 #include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/polygon.h"
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "mesh_files/text_scan.h"
 #include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"
@@ -57,7 +57,7 @@ Counts readCounts(const std::filesystem::path& path, LineScanner& lines) {
 
 }  // namespace
 
-bool beginsAsOff(std::string_view head) {
+bool beginsAsOff(std::string_view head, std::uintmax_t) {
   const std::filesystem::path noName;
   const auto line = LineScanner(noName, head).nextMeaningful();
   return line && isOffKeyword(WordScanner(*line).next());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh/polygon.h"
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "mesh_files/text_scan.h"
 #include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"
@@ -444,6 +444,8 @@ void readStrips(BodyReader& body, const Element& element, std::uint64_t points, 
 }
 
 }  // namespace
+
+bool beginsAsPly(std::string_view head, std::uintmax_t) { return head.starts_with("ply"); }
 
 Mesh readPly(const std::filesystem::path& path, std::string_view contents) {
   const PlyHeader header = readPlyHeader(path, contents);

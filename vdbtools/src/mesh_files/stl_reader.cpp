@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh_files/format_readers.h"
+#include "mesh_files/mesh_formats.h"
 #include "mesh_files/text_scan.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/utf8.h"
@@ -155,7 +155,7 @@ Mesh readText(const std::filesystem::path& path, std::string_view contents) {
 
 }  // namespace
 
-bool isStl(std::string_view head, std::uintmax_t size) {
+bool beginsAsStl(std::string_view head, std::uintmax_t size) {
   return (head.size() >= kHeaderSize && fitsFacets(readUint32(head, 80), size)) || beginsAsText(head);
 }
 

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // 3MF as it is read: a zip of XML (3MF Core Specification 1.3), whose model may be spread over several files of the zip
 // (3MF Production Extension 1.1).
-#include "mesh_files/format_readers.h"
 #include "mesh_files/gltf_pose.h"
+#include "mesh_files/mesh_formats.h"
 #include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/length_unit.h"
 #include "vdbtools/mesh_files/three_mf.h"
 
+#include <istream>
+#include <iterator>
 #include <string>
 #include <string_view>
 
@@ -512,5 +514,17 @@ std::string unitOf3mf(const std::filesystem::path& path, std::string_view conten
 }
 
 #endif
+
+bool beginsAs3mf(std::string_view head, std::uintmax_t) { return head.starts_with("PK"); }
+
+FileTexts unitTextOf3mf(std::istream& stream) {
+  const std::string contents(std::istreambuf_iterator<char>(stream), {});
+  try {
+    if (const std::string unit = unitOf3mf({}, contents); !unit.empty()) return {{kLengthUnit, unit}};
+  } catch (const DataError&) {
+    // readMesh() will say that the file is broken.
+  }
+  return {};
+}
 
 }  // namespace vdbtools

@@ -2,7 +2,7 @@
 #include "vdbtools/recipe/option_table.h"
 
 #include "vdbtools/base/near_words.h"
-#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
@@ -78,13 +78,17 @@ std::optional<std::string> defaultOf(const OptionSpec& spec, const Recipe& recip
 }  // namespace
 
 std::set<Product> productsOf(std::span<const std::string> files) {
-  constexpr std::pair<std::string_view, Product> kProducts[] = {
-      {".vdb", Product::Vdb}, {".ply", Product::Mesh}, {".obj", Product::Mesh},
-      {".stl", Product::Stl}, {".glb", Product::Glb},  {".count", Product::MeshCount}};
   std::set<Product> products;
-  for (const std::string& file : files)
-    for (const auto& [extension, product] : kProducts)
-      if (lowerCase(file).ends_with(extension)) products.insert(product);
+  for (const std::string& file : files) {
+    if (file.ends_with(".count")) products.insert(Product::MeshCount);
+    const FileFormat* const format = findFormat(file);
+    if (!format) continue;
+    if (format->writesGrids) products.insert(Product::Vdb);
+    if (format->writesMesh)
+      products.insert(format->levels                           ? Product::Glb
+                      : format->columns == FormatColumns::None ? Product::Stl
+                                                               : Product::Mesh);
+  }
   return products;
 }
 

@@ -6,6 +6,7 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/file_hash.h"
 #include "vdbtools/files/standard_streams.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/records/recorded_recipe.h"
@@ -47,8 +48,9 @@ bool wasPiped(const fs::path& recorded) { return recorded == kStandardStream; }
 std::vector<fs::path> filesBelow(const fs::path& folder, const fs::path& recorded) {
   const std::string extension = lowerExtension(recorded);
   const auto fits = [&](const fs::path& file) {
-    const std::string has = lowerExtension(file);
-    return wasPiped(recorded) ? has == ".ply" || has == ".obj" : has == extension;
+    if (!wasPiped(recorded)) return lowerExtension(file) == extension;
+    const FileFormat* const format = findFormat(file.native());
+    return format && format->piped;
   };
   std::vector<fs::path> files;
   std::error_code error;
@@ -110,9 +112,9 @@ std::vector<std::pair<fs::path, std::string>> hashedFiles(const Recipe& recipe, 
 
 /// The files that the recipe in a file names; empty if no recipe can be read.
 std::vector<fs::path> recordedNames(const fs::path& file, const MapRegistry& maps) {
-  constexpr std::string_view kHolders[] = {".vdb", ".ply", ".obj", ".glb"};
   if (!isFile(file)) return {};
-  if (std::ranges::find(kHolders, lowerExtension(file)) == std::end(kHolders) && !isRecipeFile(file)) return {};
+  if (const FileFormat* const format = findFormat(file.native()); !(format && format->recipe) && !isRecipeFile(file))
+    return {};
   std::vector<fs::path> names;
   try {
     const auto [command, recipe] = readRecordedRecipe(file, maps);

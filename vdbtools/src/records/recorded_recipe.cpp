@@ -5,10 +5,9 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/near_words.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/job/sheet_file.h"
-#include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/recipe/option_name.h"
 #include "vdbtools/render/view_options.h"
 #include "vdbtools/scene/fractal_options.h"
@@ -74,7 +73,8 @@ bool isRecipeFile(const std::filesystem::path& path) {
 }
 
 std::string noRecipeText(const std::filesystem::path& path) {
-  return "'" + path.string() + "' holds no recipe of juliavdb; only a VDB, PLY, OBJ or GLB that it made does";
+  return "'" + path.string() + "' holds no recipe of juliavdb; only a " + namesOf(&FileFormat::recipe) +
+         " that it made does";
 }
 
 std::string encodeRecipe(const RecordedRecipe& recorded) {
@@ -100,11 +100,10 @@ RecordedRecipe recordedRecipe(const std::map<std::string, std::string>& metadata
 }
 
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps) {
-  RecordedRecipe recorded =
-      isRecipeFile(path) ? readRecipeFile(path, maps)
-      : isSheetCell(path.string())
-          ? RecordedRecipe{"fractal", readSheetCell(path.string()).recipe}
-          : recordedRecipe(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path), maps);
+  RecordedRecipe recorded = isRecipeFile(path) ? readRecipeFile(path, maps)
+                            : isSheetCell(path.string())
+                                ? RecordedRecipe{"fractal", readSheetCell(path.string()).recipe}
+                                : recordedRecipe(readFileTexts(path), maps);
   try {
     if (recorded.command == "fractal") requireTarget(parseFractalOptions(recorded.recipe, maps));
     if (recorded.command == "sdf") parseSdfOptions(recorded.recipe);

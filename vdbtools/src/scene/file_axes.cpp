@@ -78,12 +78,9 @@ const OptionRows<FileAxes>& axesRows() {
 
 }  // namespace
 
-UpAxis FileAxes::ofVdb() const { return axisOf(*this, UpAxis::Y); }
+UpAxis FileAxes::ofVdb() const { return of(*findFormat(".vdb")); }
 
-UpAxis FileAxes::ofMesh(MeshFormat format) const {
-  if (format == MeshFormat::Glb) return UpAxis::Y;
-  return axisOf(*this, format == MeshFormat::Obj ? UpAxis::Y : UpAxis::Z);
-}
+UpAxis FileAxes::of(const FileFormat& format) const { return format.metresYUp ? UpAxis::Y : axisOf(*this, format.up); }
 
 std::vector<OptionSpec> fileAxesOptionSpecs() { return axesRows().specs(); }
 
@@ -114,7 +111,7 @@ std::optional<LengthUnit> unitOfFile(const std::filesystem::path& path) {
   // The content of a pipe can be read only once.
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
-  return recordedUnit(isVdbPath(path) ? readVdbMetadata(path) : readMeshComments(path));
+  return recordedUnit(readFileTexts(path));
 }
 
 std::optional<LengthUnit> agreedUnit(std::optional<LengthUnit> asked, std::optional<LengthUnit> recorded,
@@ -135,7 +132,7 @@ UpAxis recordedUpAxis(const std::map<std::string, std::string>& metadata, UpAxis
 }
 
 void setUnit(MeshWriteOptions& options, LengthUnit unit) {
-  const LengthUnit ofFile = options.format == MeshFormat::Glb ? LengthUnit::Metre : unit;
+  const LengthUnit ofFile = options.format->metresYUp ? LengthUnit::Metre : unit;
   options.scale = metresOf(unit) / metresOf(ofFile);
   options.comments[kLengthUnit] = nameOf(ofFile);
 }
@@ -147,12 +144,12 @@ VdbWriteOptions vdbWriteOptions(const FileAxes& axes, std::map<std::string, std:
   return {.metadata = std::move(metadata), .up = up, .turn = {axes.target, up}};
 }
 
-MeshWriteOptions meshWriteOptions(MeshFormat format, const FileAxes& axes,
+MeshWriteOptions meshWriteOptions(const FileFormat& format, const FileAxes& axes,
                                   std::map<std::string, std::string> metadata) {
-  const UpAxis up = axes.ofMesh(format);
+  const UpAxis up = axes.of(format);
   metadata[kUpAxis] = nameOf(up);
   const std::optional<LengthUnit> unit = unitOfTarget(axes, metadata);
-  MeshWriteOptions options{.format = format, .comments = std::move(metadata), .turn = {axes.target, up}};
+  MeshWriteOptions options{.format = &format, .comments = std::move(metadata), .turn = {axes.target, up}};
   if (unit) setUnit(options, *unit);
   return options;
 }

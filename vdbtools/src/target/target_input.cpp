@@ -245,7 +245,7 @@ constexpr double kUsualFps = 24;
 std::string idleWithoutGltf(const OptionRun& run) {
   const std::string input = run.text("input");
   if (input.empty()) return "it is for an animated glTF as the target, and there is no target; leave it out";
-  if (isGltfPath(input)) return {};
+  if (mayBeAnimated(input)) return {};
   return "it is for an animated glTF as the target, and '" + input + "' is none; leave it out";
 }
 
@@ -289,7 +289,7 @@ std::optional<MeshMoment> parseMomentOptions(const RecipeReader& reader, const s
   AnimationOptions options;
   animationRows().read(reader, options);
   if (!options.frame || input.empty()) return std::nullopt;
-  if (!isGltfPath(input))
+  if (!mayBeAnimated(input))
     throw std::invalid_argument("--target-frame is for an animated glTF, and '" + input.string() +
                                 "' is none; leave it out");
   return MeshMoment{*options.frame / options.fps, options.name};

@@ -103,7 +103,7 @@ class MeshReader {
   /// @param unit  the scene's unit, if it is known; set to the first mesh's unit if there is no VDB
   void add(const fs::path& path, std::optional<int> number, const UsdOptions& options, UsdScene& scene,
            std::optional<LengthUnit>& unit) {
-    const std::map<std::string, std::string> comments = readMeshComments(path);
+    const std::map<std::string, std::string> comments = readMeshTexts(path);
     std::optional<UpAxis> recorded;
     if (comments.contains(kUpAxis)) recorded = recordedUpAxis(comments);
     if (mEntries.empty() && scene.frames.empty() && recorded) scene.up = *recorded;
@@ -168,7 +168,7 @@ class MeshReader {
     const UpTurn turn(entry.recorded.value_or(up), up);
     for (openvdb::Vec3d& point : mMesh.points) point = turn(point) * entry.scale;
     computeNormals(mMesh);
-    if (!isGltfPath(entry.path))
+    if (const FileFormat* const format = formatOfMesh(entry.path); !format || !format->linearLight)
       for (VertexAttribute& attribute : mMesh.attributes)
         if (isColour(attribute))
           for (float& value : attribute.values) value = linearFromSrgb(std::clamp(value, 0.0F, 1.0F));

@@ -58,7 +58,7 @@ struct FramePlanOptions {
   std::vector<KeyedOption> keys;
   std::vector<int> frames{1};             ///< in the order of execution
   std::string name;                       ///< base name of the files; empty: named after the target, or else the map
-  std::vector<std::string> makes{"vdb"};  ///< any of "vdb" and the formats of meshes
+  std::vector<std::string> makes{"vdb"};  ///< any of writtenFormats()
   std::optional<double> resolution{};     ///< the value of `--resolution auto` at every frame that has it
   std::optional<double> sdfResolution{};  ///< that of `--sdf-resolution auto`, likewise
 };

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "vdbtools/base/grids.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/recipe/recipe.h"
 
 #include <cstdint>
@@ -48,7 +49,7 @@ struct PlannedInput {
 struct Manifest {
   PlanKind kind = PlanKind::Tiles;
   Recipe recipe;  ///< of `juliavdb fractal`, complete, with the hashes of its files
-  /// The final products: any of "vdb" and the formats of meshes, or kMakeCount alone.
+  /// The final products: any of writtenFormats(), or kMakeCount alone.
   std::vector<std::string> makes;
   std::map<std::string, std::string> metadata;  ///< for tiles: the metadata of the whole
   std::optional<TileLattice> lattice;           ///< for tiles
@@ -60,11 +61,12 @@ struct Manifest {
 /// The tiles of a mesh are made and counted, and not kept (tile_count.h).
 inline constexpr const char* kMakeCount = "count";
 
-/// Whether @a format, such as "vdb", is a final product, and whether a mesh of any format is.
-bool makes(const Manifest& manifest, std::string_view format);
-/// Whether an entry of Manifest::makes is the format of a mesh: neither "vdb" nor kMakeCount.
-bool isMeshFormat(std::string_view product);
+/// Whether @a product, such as "vdb" or kMakeCount, is a final one, and whether grids or a mesh of any format are.
+bool makes(const Manifest& manifest, std::string_view product);
+bool makesGrids(const Manifest& manifest);
 bool makesMesh(const Manifest& manifest);
+/// The formats among the products. kMakeCount is none.
+std::vector<const FileFormat*> formatsOf(const std::vector<std::string>& products);
 
 inline constexpr const char* kManifestName = "manifest.json";
 inline constexpr const char* kLogsName = "logs";  ///< the folder for the logs of job schedulers

@@ -21,8 +21,8 @@ namespace vdbtools::farm {
 inline constexpr std::uint64_t kMostMeshPoints = 0x7fffffff;
 
 struct MergeOptions {
-  std::optional<std::filesystem::path> vdb;   ///< the grids
-  std::optional<std::filesystem::path> mesh;  ///< PLY, OBJ or STL
+  std::optional<std::filesystem::path> grids;  ///< in a format of grids that is written
+  std::optional<std::filesystem::path> mesh;   ///< in one of meshes
   /// A mesh with more points is split into files called F.1.ply, F.2.ply and so on. The points of the layer of blocks
   /// at the cut are in both files.
   std::uint64_t mostPoints = kMostMeshPoints;

@@ -15,7 +15,7 @@ struct SheetPlanOptions {
   std::string cells;                      ///< "sheet.json#3,7-9", or "sheet.json" for every cell without an error
   Recipe given;                           ///< options that override the cells' options, such as a higher resolution
   std::string name;                       ///< base name of the files; empty: named after the sheet
-  std::vector<std::string> makes{"vdb"};  ///< any of "vdb" and the formats of meshes
+  std::vector<std::string> makes{"vdb"};  ///< any of writtenFormats()
 };
 
 /// Plans a task for each cell, in the order of the cells. The files are out/NAME.0007.vdb and the like, with the cell's

@@ -4,36 +4,37 @@
 #pragma once
 
 #include "vdbtools/files/atomic_file.h"
-#include "vdbtools/formats/nvdb_file.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace vdbtools {
 
-struct FractalMeshFile {
+/// A file that takes the grids or the mesh, whichever its format holds.
+struct FractalFile {
   AtomicFile* file = nullptr;
-  MeshFormat format = MeshFormat::Ply;
+  const FileFormat* format = nullptr;  ///< one that is written
 };
 
 /// The files of a fractal, at least one of which is given. They must outlive the call.
 struct FractalFiles {
-  AtomicFile* vdb = nullptr;  ///< receives the grids; nullptr: no grids are made
-  /// If set, the file of grids is a NanoVDB file, and its values are stored in this way.
-  std::optional<NvdbValues> nvdb{};
-  std::vector<NvdbWritten>* nvdbReport = nullptr;  ///< receives how the grids were stored in a NanoVDB file
-  std::vector<FractalMeshFile> meshes{};
+  std::vector<FractalFile> files{};
+  NvdbValues nvdb = NvdbValues::Full;              ///< how a NanoVDB file stores numbers
+  std::vector<NvdbWritten>* nvdbReport = nullptr;  ///< takes what became of the grids in such a file
+
+  bool wantGrids() const;
+  bool wantMesh() const;
 };
 
 /// The options with which the grids and the mesh of a scene are written.
 /// @param metadata  the metadata of the scene
 VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::string, std::string> metadata);
-MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output,
+MeshWriteOptions meshWriteOptions(const FileFormat& format, const OutputOptions& output,
                                   std::map<std::string, std::string> metadata);
 
 /// Makes the grids and the mesh of a scene and writes them, with their metadata. The caller commits the files.
@@ -44,7 +45,7 @@ MeshWriteOptions meshWriteOptions(MeshFormat format, const OutputOptions& output
 FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor);
 
 /// Writes what runFractal() made of a scene earlier, with the same bytes as writeFractal().
-/// @param made          must have grids if a VDB is written
+/// @param made          must have grids if a file of grids is written
 /// @param mesh, values  the mesh and the values of its columns that runFractal() passed to its sink
 /// @throw as writeFractal()
 void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,

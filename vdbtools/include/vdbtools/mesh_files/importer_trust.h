@@ -5,8 +5,6 @@
 /// trusted. That is said of a process, and never by a recipe or a file.
 #pragma once
 
-#include <string>
-
 namespace vdbtools {
 
 /// Whether this build has Assimp.
@@ -15,8 +13,5 @@ bool canImport();
 /// Whether the process imports files from now on. At first it does not.
 void trustImporter(bool isTrusted);
 bool isImporterTrusted();
-
-/// Whether an extension in lower case, with the dot, is that of a format which is imported.
-bool isImportedExtension(const std::string& extension);
 
 }  // namespace vdbtools

@@ -27,8 +27,8 @@ Mesh readMesh(const std::filesystem::path& path, const std::optional<MeshMoment>
 /// The same for readPoints() (point_cloud.h).
 Mesh readPoints(const std::filesystem::path& path, const std::optional<MeshMoment>& moment);
 
-/// By meshExtension(), .glb or .gltf.
-bool isGltfPath(const std::filesystem::path& path);
+/// Whether files of its format (formatOfMesh()) may have animations; those of glTF may.
+bool mayBeAnimated(const std::filesystem::path& path);
 
 struct MeshAnimation {
   std::string name;            ///< may be empty

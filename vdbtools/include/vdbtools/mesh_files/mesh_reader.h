@@ -7,6 +7,7 @@
 /// This header reads meshes in any of these formats.
 #pragma once
 
+#include "vdbtools/files/file_format.h"
 #include "vdbtools/mesh/mesh.h"
 
 #include <filesystem>
@@ -14,14 +15,17 @@
 
 namespace vdbtools {
 
-/// The format of a mesh as an extension in lower case: that of the name, or by the content of the standard input
-/// (standard_streams.h), which has no name. What is not recognised is an ".obj".
-/// @throw as openToRead()
-std::string meshExtension(const std::filesystem::path& path);
+/// The formats of meshes.
+FormatList meshFormats();
 
-/// Reads OBJ, PLY, STL, OFF, glTF (.glb, .gltf) or 3MF, according to meshExtension(), and FBX, DAE, 3DS or X3D if
-/// importer_trust.h allows it. Polygons are split into
-/// triangles: convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept, except those
+/// The format of a mesh: by its name, or by the content of the standard input (standard_streams.h), which has no name.
+/// What is not recognised there is an OBJ. Null: the name has the extension of no mesh.
+/// @throw as openToRead()
+const FileFormat* formatOfMesh(const std::filesystem::path& path);
+
+/// Reads OBJ, PLY, STL, OFF, glTF (.glb, .gltf) or 3MF, according to formatOfMesh(), and FBX, DAE, 3DS or X3D
+/// if trustImporter() allows it. Polygons are split into triangles:
+/// convex ones into fans, others by ear clipping. Normals are skipped; unused points are kept, except those
 /// whose coordinates are not finite (Mesh::pointsLeftOut); STL and glTF are welded. Coordinates are read in double
 /// precision, except those of STL and glTF, which are floats. In OBJ, corners that a face repeats are dropped. A PLY
 /// may have triangle strips in the place of faces. In glTF, all triangles of the default scene are joined, in the

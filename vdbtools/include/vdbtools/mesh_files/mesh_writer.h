@@ -9,6 +9,7 @@
 #pragma once
 
 #include "vdbtools/base/up_axis.h"
+#include "vdbtools/files/file_format.h"
 #include "vdbtools/mesh/mesh_sink.h"
 #include "vdbtools/mesh/vertex_column.h"
 
@@ -23,15 +24,9 @@
 
 namespace vdbtools {
 
-enum class MeshFormat { Ply, Obj, Stl, Glb };
-
-/// The formats' extensions, for error messages and for lists of what may be written.
-inline constexpr const char* kMeshExtensions = ".ply .obj .stl .glb";
-/// The names of the formats, for the help.
-inline constexpr const char* kMeshFormatNames = "ply, obj, stl, glb";
-
-/// Returns the format of a file's extension, ignoring case. @throw std::invalid_argument  it is none of kMeshExtensions
-MeshFormat meshFormat(const std::filesystem::path& path);
+/// Returns the format that a file is to be written in, by its extension or that of a name such as "a.ply" or ".ply".
+/// @throw std::invalid_argument  no mesh is written so
+const FileFormat& meshFormat(const std::filesystem::path& path);
 
 /// A written level of detail.
 struct MeshLevel {
@@ -40,7 +35,7 @@ struct MeshLevel {
 };
 
 struct MeshWriteOptions {
-  MeshFormat format = MeshFormat::Ply;
+  const FileFormat* format = &meshFormat(".ply");  ///< one that is written
   double voxelSize = 0;  ///< world units; sets the required precision of positions. 0: floats are precise enough
   /// A bounding box of all points, world units, which decides whether floats are precise enough. By default it is the
   /// mesh's own box, which is unknown while the mesh comes in pieces.
@@ -53,7 +48,7 @@ struct MeshWriteOptions {
   std::vector<VertexColumn> columns{};
   /// The recipe, as comment lines "juliavdb KEY VALUE" in PLY and OBJ, and as the extras of the asset in GLB. An STL
   /// has room for the unit alone (kLengthUnit), in its title.
-  std::map<std::string, std::string> comments{};
+  FileTexts comments{};
   /// Rotates points, normals and the box to the axes of the file; columns stay unchanged.
   UpTurn turn{};
   /// Multiplies positions, and the box with them, for a file whose unit is another one; columns stay unchanged.
@@ -63,8 +58,8 @@ struct MeshWriteOptions {
   std::vector<double> levels{};
 };
 
-/// The names of the columns that a file of the format cannot hold.
-std::vector<std::string> columnsLeftOut(MeshFormat format, std::span<const VertexColumn> columns);
+/// The names of the columns that a file of the format cannot hold, also one of grids.
+std::vector<std::string> columnsLeftOut(const FileFormat& format, std::span<const VertexColumn> columns);
 
 /// Whether a file with these options holds positions as doubles, or numbers that are computed from doubles.
 /// @throw std::invalid_argument  a voxel size without a box, or an STL that cannot hold the mesh
@@ -135,6 +130,8 @@ class MeshStreamWriter final : public MeshSink {
 /// The comments of a PLY, OBJ or GLB written by this project, the unit in the title of its STL, and the unit of any
 /// 3MF and of an FBX or DAE that is trusted; empty for any other file.
 /// @throw MissingInputError, IoError
-std::map<std::string, std::string> readMeshComments(const std::filesystem::path& path);
+FileTexts readMeshTexts(const std::filesystem::path& path);
+/// The same from the beginning of a file of a format of meshes. The state of the stream shows read errors.
+FileTexts meshTexts(const FileFormat& format, std::istream& stream);
 
 }  // namespace vdbtools

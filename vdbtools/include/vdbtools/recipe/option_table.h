@@ -24,7 +24,7 @@ using Recipe = std::map<std::string, std::string>;
 
 /// What a run makes, as far as that decides which options have an effect.
 enum class Product {
-  Vdb,
+  Vdb,        ///< grids in any format
   Mesh,       ///< a file that has room for everything that a mesh may carry
   Stl,        ///< a mesh without attributes
   Glb,        ///< a mesh with levels of detail, always with Y up

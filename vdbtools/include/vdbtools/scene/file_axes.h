@@ -5,7 +5,7 @@
 
 #include "vdbtools/base/length_unit.h"
 #include "vdbtools/base/up_axis.h"
-#include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/recipe/recipe_reader.h"
 
@@ -32,8 +32,8 @@ struct FileAxes {
   UpRule rule = UpRule::Keep;
   std::optional<LengthUnit> unit{};  ///< of the target's coordinates, if --units gives it
 
+  UpAxis of(const FileFormat& format) const;
   UpAxis ofVdb() const;
-  UpAxis ofMesh(MeshFormat format) const;
 };
 
 /// --target-up, --up and --units.
@@ -71,6 +71,7 @@ void setUnit(MeshWriteOptions& options, LengthUnit unit);
 /// neither has one, none is recorded. If there is one, a GLB is scaled to metres, and all other files keep the
 /// coordinates.
 VdbWriteOptions vdbWriteOptions(const FileAxes& axes, std::map<std::string, std::string> metadata);
-MeshWriteOptions meshWriteOptions(MeshFormat format, const FileAxes& axes, std::map<std::string, std::string> metadata);
+MeshWriteOptions meshWriteOptions(const FileFormat& format, const FileAxes& axes,
+                                  std::map<std::string, std::string> metadata);
 
 }  // namespace vdbtools
