@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace vdbtools {
@@ -135,8 +136,14 @@ FloatGrid::Ptr levelSetOfVolume(const FloatGrid& given, double isovalue, bool in
   const openvdb::math::Transform::Ptr lattice = latticeOfCubes(field);
   const double voxel = lattice->voxelSize()[0];
   for (Vec3d& point : surface.points) point = field.indexToWorld(point);
-  checkOptions(reportMesh({.points = surface.points, .triangles = surface.triangles}),
-               {.voxelSize = voxel, .exteriorBandWidth = kBand, .interiorBandWidth = kBand});
+  try {
+    checkOptions(reportMesh({.points = surface.points, .triangles = surface.triangles}),
+                 {.voxelSize = voxel, .exteriorBandWidth = kBand, .interiorBandWidth = kBand});
+  } catch (const std::invalid_argument& error) {
+    // The voxels are those of the file, and nobody chose them.
+    throw DataError("the distances to the surface of the grid '" + field.getName() +
+                    "' cannot be made: " + error.what());
+  }
   for (Vec3d& point : surface.points) point = lattice->worldToIndex(point);
   const TriangleTree tree(surface.points, surface.triangles);
   FloatGrid::Ptr grid = unsignedDistances(tree, static_cast<float>(kBand), PhaseKind::DistanceField, monitor);

@@ -33,8 +33,7 @@ openvdb::FloatGrid::Ptr withOtherSign(const openvdb::FloatGrid& grid);
 /// world units, with the sign that the field has at each node. It has the field's lattice. If the field's voxels
 /// are not cubes, it has cubes of their smallest side, parallel to the axes of the world, and node 0 in the same place.
 /// @param insideAbove  whether the inside is where the field is larger than the value, and not where it is smaller
-/// @throw DataError  a value that is not finite, no such surface, or an inside without an end
-/// @throw std::invalid_argument  more than 2^31 nodes
+/// @throw DataError  a value that is not finite, no such surface, an inside without an end, or more than 2^31 nodes
 /// @throw MemoryError  they, or the surface, take more memory than is left
 /// @throw Interrupted
 openvdb::FloatGrid::Ptr levelSetOfVolume(const openvdb::FloatGrid& field, double isovalue, bool insideAbove,
