@@ -59,7 +59,7 @@ TEST(FileFormats, WhatIsWrittenIsRecognisedAndRead) {
     EXPECT_EQ(bytesOf(*format), bytes);
     const std::filesystem::path path = folder.path() / ("a" + std::string(format->extension));
     std::ofstream(path, std::ios::binary) << bytes;
-    for (const MeshFormat& other : kMeshFormats)
+    for (const MeshFormat& other : meshRows())
       if (other.begins) {
         EXPECT_EQ(other.begins(bytes, bytes.size()), other.facts.extension == format->extension) << other.facts.name;
       }

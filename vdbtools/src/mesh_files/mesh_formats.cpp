@@ -9,35 +9,34 @@
 
 #include <fstream>
 #include <stdexcept>
+#include <vector>
 
 namespace vdbtools {
-namespace {
 
-constexpr auto kMeshFacts = [] {
-  std::array<const FileFormat*, kMeshFormats.size()> facts{};
-  for (std::size_t i = 0; i < facts.size(); ++i) facts[i] = &kMeshFormats[i].facts;
+FormatList meshFormats() {
+  static const std::vector<const FileFormat*> facts = [] {
+    std::vector<const FileFormat*> all;
+    for (const MeshFormat& row : meshRows()) all.push_back(&row.facts);
+    return all;
+  }();
   return facts;
-}();
-
-}  // namespace
-
-FormatList meshFormats() { return kMeshFacts; }
+}
 
 const MeshFormat& rowOf(const FileFormat& format) {
-  for (const MeshFormat& row : kMeshFormats)
+  for (const MeshFormat& row : meshRows())
     if (row.facts.extension == format.extension) return row;
   throw std::logic_error(std::string(format.name) + " is no format of meshes");
 }
 
 const FileFormat& meshFormat(const std::filesystem::path& path) {
-  const FileFormat* const format = formatByName(kMeshFacts, path.native());
+  const FileFormat* const format = formatByName(meshFormats(), path.native());
   if (format && format->writesMesh) return *format;
   throw std::invalid_argument("'" + path.string() + "' is not a mesh format that can be written; use one of " +
-                              formatTexts(kMeshFacts, &FileFormat::writesMesh, &FileFormat::extension));
+                              formatTexts(meshFormats(), &FileFormat::writesMesh, &FileFormat::extension));
 }
 
 const FileFormat* formatOfMesh(const std::filesystem::path& path) {
-  if (!isStandardInput(path)) return formatByName(kMeshFacts, path.native());
+  if (!isStandardInput(path)) return formatByName(meshFormats(), path.native());
   constexpr std::size_t kHeadSize = 1 << 16;  // bytes; comments may precede what tells a format apart
   std::string head(kHeadSize, '\0');
   std::ifstream stream = openToRead(path);
@@ -45,9 +44,9 @@ const FileFormat* formatOfMesh(const std::filesystem::path& path) {
   head.resize(static_cast<std::size_t>(stream.gcount()));
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(pathToOpen(path), error);
-  for (const MeshFormat& row : kMeshFormats)
+  for (const MeshFormat& row : meshRows())
     if (row.begins && row.begins(head, error ? 0 : size)) return &row.facts;
-  return formatByName(kMeshFacts, ".obj");
+  return formatByName(meshFormats(), ".obj");
 }
 
 FileTexts readMeshTexts(const std::filesystem::path& path) {

@@ -109,9 +109,11 @@ struct MeshFormat {
   FileTexts (*texts)(std::istream&) = nullptr;
 };
 
-// clang-format off
-inline constexpr auto kMeshFormats = [] {
-  using enum FormatColumns;
+/// The table.
+inline const auto& meshRows() {
+  static const auto rows = [] {
+    using enum FormatColumns;
+    // clang-format off
   auto formats = std::to_array<MeshFormat>({
       {.facts = {.extension = ".ply", .name = "PLY", .printed = true, .points = true, .piped = true, .recipe = true,
                  .unit = true, .columns = All, .up = UpAxis::Z},
@@ -138,14 +140,16 @@ inline constexpr auto kMeshFormats = [] {
       {.facts = {.extension = ".3ds", .name = "3DS", .needsTrust = true}, .read = still<readImported>},
       {.facts = {.extension = ".x3d", .name = "X3D", .needsTrust = true}, .read = still<readImported>},
   });
-  // clang-format on
-  for (MeshFormat& format : formats) {
-    format.facts.readsMesh = format.read != nullptr;
-    format.facts.writesMesh = format.encoder != nullptr;
-    format.facts.writesColours = format.encoder && format.facts.columns != FormatColumns::None;
-  }
-  return formats;
-}();
+    // clang-format on
+    for (MeshFormat& format : formats) {
+      format.facts.readsMesh = format.read != nullptr;
+      format.facts.writesMesh = format.encoder != nullptr;
+      format.facts.writesColours = format.encoder && format.facts.columns != FormatColumns::None;
+    }
+    return formats;
+  }();
+  return rows;
+}
 
 /// The row of a format. @throw std::logic_error  it is none of meshes
 const MeshFormat& rowOf(const FileFormat& format);

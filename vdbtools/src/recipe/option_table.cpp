@@ -2,7 +2,6 @@
 #include "vdbtools/recipe/option_table.h"
 
 #include "vdbtools/base/near_words.h"
-#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>
@@ -76,21 +75,6 @@ std::optional<std::string> defaultOf(const OptionSpec& spec, const Recipe& recip
 }
 
 }  // namespace
-
-std::set<Product> productsOf(std::span<const std::string> files) {
-  std::set<Product> products;
-  for (const std::string& file : files) {
-    if (file.ends_with(".count")) products.insert(Product::MeshCount);
-    const FileFormat* const format = findFormat(file);
-    if (!format) continue;
-    if (format->writesGrids) products.insert(Product::Vdb);
-    if (format->writesMesh)
-      products.insert(format->levels                           ? Product::Glb
-                      : format->columns == FormatColumns::None ? Product::Stl
-                                                               : Product::Mesh);
-  }
-  return products;
-}
 
 bool OptionRun::makesAny(std::initializer_list<Product> products) const {
   if (makes.contains(Product::Recipe)) return true;
