@@ -438,7 +438,7 @@ TEST(ReadMesh, PlyNeedsEachCoordinateOnce) {
 }
 
 TEST(ReadMesh, RefusesWhatItCannotRead) {
-  EXPECT_REFUSED("a.3ds", asObj(makeCube()), "'.3ds'");
+  EXPECT_REFUSED("a.blend", asObj(makeCube()), "'.blend'");
   EXPECT_REFUSED("plain", asObj(makeCube()), "format");
   for (const char* name : {"a.obj", "a.ply", "a.stl", "a.off"}) {
     EXPECT_REFUSED(name, "", "empty");
