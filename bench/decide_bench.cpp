@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What it costs to ask for the sign of F over balls, beside the evaluation of as many points in the same shell.
-#include "vdbtools/base/grid_sampler.h"
+#include "base/grid_sampler.h"
 
 #include "julia/brick_field.h"
 #include "julia/evaluator.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a second at scattered points: OpenVDB's sampler with a leaf-caching accessor against bricks; and of bricks at
 // the nodes of blocks in their order.
-#include "vdbtools/base/grid_sampler.h"
+#include "base/grid_sampler.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetSphere.h>

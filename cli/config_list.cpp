@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config_list.h"
 
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/recipe/option_list.h"
-#include "vdbtools/recipe/option_name.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include <stdexcept>
 

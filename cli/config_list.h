@@ -9,7 +9,7 @@
 
 namespace cli {
 
-/// @param text   the content of the file, in the format of vdbtools/recipe/option_list.h
+/// @param text   the content of the file, in the format of vdbtools/recipe/recipe.h
 /// @param file   its name, for messages
 /// @param table  the options that it may set
 /// @return the settings as written there; their values are not checked

@@ -4,7 +4,7 @@
 #include "options.h"
 
 #include "vdbtools/maps/texture_shelf.h"
-#include "vdbtools/recipe/option_data.h"
+#include "vdbtools/recipe/option_table.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <nlohmann/json.hpp>

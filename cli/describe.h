@@ -32,7 +32,7 @@ void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::v
 
 /// Writes {command, groups: [{heading, options}]}. An option has at least a *name* without dashes, an *argument*, which
 /// is empty for a flag, and a *help*; one with a short form also has its *letter*. What else an option of a table has
-/// is described in vdbtools/recipe/option_data.h; only those of a recipe have an *entry*.
+/// is described in vdbtools/recipe/option_table.h; only those of a recipe have an *entry*.
 /// @param own     the tables of the options that are not part of a recipe
 /// @param recipe  the table of the others
 void writeDescription(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups,

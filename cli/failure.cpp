@@ -5,7 +5,7 @@
 #include "interruption.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/io_failure.h"
 #include "vdbtools/maps/device_choice.h"

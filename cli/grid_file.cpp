@@ -4,7 +4,7 @@
 #include "options.h"
 #include "report.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>

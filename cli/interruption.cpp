@@ -7,7 +7,7 @@
 
 #include "vdbtools/base/memory.h"
 #include "vdbtools/files/atomic_file.h"
-#include "vdbtools/files/placed_files.h"
+#include "vdbtools/files/input_files.h"
 
 #include <atomic>
 #include <chrono>

@@ -7,7 +7,7 @@
 #include "interruption.h"
 #include "report.h"
 
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <exception>

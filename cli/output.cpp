@@ -5,13 +5,13 @@
 #include "options.h"
 #include "report.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/frame_name.h"
+#include "vdbtools/files/frames.h"
 #include "vdbtools/files/standard_streams.h"
 #include "vdbtools/formats/file_formats.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/records/recorded_files.h"
+#include "vdbtools/records/recorded_recipe.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -7,7 +7,7 @@
 #include "vdbtools/field/crumbs.h"
 #include "vdbtools/files/file_format.h"
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/mesh/vertex_column.h"
+#include "vdbtools/mesh/mesh_sink.h"
 
 #include <filesystem>
 #include <functional>

@@ -5,7 +5,7 @@
 /// begins.
 #pragma once
 
-#include "vdbtools/base/phase.h"
+#include "vdbtools/base/monitor.h"
 
 #include <cstddef>
 #include <span>

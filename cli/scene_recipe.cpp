@@ -4,7 +4,6 @@
 #include "report.h"
 
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/records/recorded_files.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/fractal_options.h"
 

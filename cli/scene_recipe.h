@@ -13,7 +13,7 @@ namespace cli {
 /// Adds --search, for commands that take a recipe from a generated file.
 void addSearchOption(CommandLine& line);
 /// Returns a fractal's recipe with its files at their current paths, for opening them. It follows --search and prints a
-/// note for each file that has moved (vdbtools/records/recorded_files.h). Recorded recipes keep their original names.
+/// note for each file that has moved (vdbtools/records/recorded_recipe.h). Recorded recipes keep their original names.
 /// @param holder  the file that holds the recipe; empty: it was typed, and stays unchanged
 /// @param wayOut  what else the user can do if a file is missing
 /// @throw as vdbtools::findRecordedFiles()

@@ -3,7 +3,7 @@
 /// The option --units of commands that work on the file of a shape but do not have the options of a fractal.
 #pragma once
 
-#include "vdbtools/base/length_unit.h"
+#include "vdbtools/base/units.h"
 
 #include <optional>
 #include <string>

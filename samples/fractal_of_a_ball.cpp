@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The main job through the library: any signed distance field becomes a fractal level set and a mesh.
-#include "vdbtools/distance/fit_space.h"
+#include "vdbtools/distance/target.h"
 #include "vdbtools/exponent/exponent_grid.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"

@@ -10,8 +10,8 @@
 
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
-#include "vdbtools/scene/grid_names.h"
 
 #include <algorithm>
 #include <optional>

@@ -8,7 +8,7 @@
 #include "shape_unit.h"
 #include "target_text.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/fit/fit_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/scene/file_axes.h"

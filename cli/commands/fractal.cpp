@@ -12,9 +12,9 @@
 #include "sequence.h"
 #include "target_text.h"
 
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/farm/frame_recipes.h"
-#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/farm/plans.h"
+#include "vdbtools/job/fractal_job.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/voxel_advice.h"
 #include "vdbtools/target/target_survey.h"

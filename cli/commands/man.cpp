@@ -9,7 +9,7 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/output_files.h"
 
 #include <algorithm>

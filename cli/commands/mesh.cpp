@@ -10,13 +10,13 @@
 #include "shape_unit.h"
 
 #include "vdbtools/decimation/adaptive_mesh.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/file_axes.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <optional>
 #include <ostream>

@@ -6,8 +6,8 @@
 #include "options.h"
 #include "report.h"
 
-#include "vdbtools/base/near_words.h"
-#include "vdbtools/farm/plan_folder.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/farm/manifest.h"
 #include "vdbtools/formats/file_formats.h"
 
 #include <stdexcept>

@@ -5,7 +5,7 @@
 
 #include "commands.h"
 
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/farm/plans.h"
 
 #include <filesystem>
 #include <set>

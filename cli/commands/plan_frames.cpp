@@ -7,8 +7,8 @@
 #include "report.h"
 #include "scene_recipe.h"
 
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <ostream>

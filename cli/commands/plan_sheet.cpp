@@ -5,7 +5,7 @@
 #include "options.h"
 #include "products.h"
 
-#include "vdbtools/farm/sheet_plan.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <stdexcept>

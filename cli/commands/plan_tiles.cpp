@@ -9,8 +9,8 @@
 #include "target_text.h"
 
 #include "vdbtools/farm/estimate.h"
-#include "vdbtools/farm/plan_folder.h"
-#include "vdbtools/farm/tile_plan.h"
+#include "vdbtools/farm/manifest.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/scene/fractal_options.h"
 

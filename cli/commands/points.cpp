@@ -9,10 +9,9 @@
 #include "sequence.h"
 #include "shape_unit.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/formats/vdb_points.h"
 #include "vdbtools/job/points_job.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
@@ -20,7 +19,7 @@
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <cmath>
 #include <limits>

@@ -8,18 +8,17 @@
 #include "sequence.h"
 #include "shape_unit.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/mesh_files/three_mf.h"
 #include "vdbtools/print/print_job.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/file_axes.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <cmath>
 #include <optional>

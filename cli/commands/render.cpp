@@ -10,10 +10,9 @@
 #include "sequence.h"
 #include "target_text.h"
 
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/frame_inputs.h"
-#include "vdbtools/files/frame_name.h"
+#include "vdbtools/files/frames.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
@@ -22,7 +21,7 @@
 #include "vdbtools/render/preview.h"
 #include "vdbtools/render/view_options.h"
 #include "vdbtools/scene/file_axes.h"
-#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/scene/scene.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
-#include "vdbtools/render/mesh_preview.h"
+#include "vdbtools/render/preview.h"
 
 namespace cli {
 

@@ -9,7 +9,7 @@
 #include "sequence.h"
 #include "target_text.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sdf_job.h"
 

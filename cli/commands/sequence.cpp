@@ -9,11 +9,10 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/numbered_monitor.h"
+#include "vdbtools/base/monitor.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/frame_inputs.h"
-#include "vdbtools/files/frame_name.h"
-#include "vdbtools/job/made_fractal.h"
+#include "vdbtools/files/frames.h"
+#include "vdbtools/job/fractal_job.h"
 
 #include <algorithm>
 #include <filesystem>

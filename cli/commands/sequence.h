@@ -5,7 +5,7 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
-#include "vdbtools/farm/frame_recipes.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/files/input_files.h"
 
 #include <cstddef>

@@ -17,7 +17,7 @@
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/picture/slice_image.h"
 #include "vdbtools/recipe/option_value.h"
-#include "vdbtools/scene/slice_frame.h"
+#include "vdbtools/scene/scene.h"
 
 #include "julia/elementary.h"
 

@@ -4,10 +4,10 @@
 #include "output.h"
 #include "report.h"
 
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/base/numbered_monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/frame_name.h"
+#include "vdbtools/files/frames.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <filesystem>

@@ -8,7 +8,7 @@
 #include "slice_samples.h"
 
 #include "vdbtools/files/input_files.h"
-#include "vdbtools/picture/slice_stack.h"
+#include "vdbtools/picture/slice_image.h"
 
 #include <functional>
 #include <optional>

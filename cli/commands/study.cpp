@@ -10,10 +10,10 @@
 #include "study_dimension.h"
 #include "target_text.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/maps/texture_shelf.h"
 #include "vdbtools/scene/fractal_options.h"
-#include "vdbtools/scene/slice_frame.h"
+#include "vdbtools/scene/scene.h"
 #include "vdbtools/study/study.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "options.h"
 #include "report.h"
 
-#include "vdbtools/study/dimension.h"
+#include "vdbtools/study/study.h"
 
 #include "julia/elementary.h"
 

@@ -11,8 +11,7 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/base/shell_word.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/farm/job_template.h"
 #include "vdbtools/farm/task.h"
 #include "vdbtools/files/atomic_file.h"

@@ -8,7 +8,7 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/farm/task.h"
 
 #include <algorithm>

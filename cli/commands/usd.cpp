@@ -7,8 +7,7 @@
 #include "report.h"
 #include "sequence.h"
 
-#include "vdbtools/files/frame_inputs.h"
-#include "vdbtools/files/frame_name.h"
+#include "vdbtools/files/frames.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/usd/usd_job.h"

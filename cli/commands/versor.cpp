@@ -6,7 +6,7 @@
 #include "output.h"
 #include "report.h"
 
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/versor_file.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <cmath>

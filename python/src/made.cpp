@@ -3,14 +3,14 @@
 
 #include "patient_lock.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/fractal_job.h"
 #include "vdbtools/recipe/option_value.h"
-#include "vdbtools/records/recorded_files.h"
+#include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/render/view_options.h"
-#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/scene/scene.h"
 
 #include <algorithm>
 #include <stdexcept>

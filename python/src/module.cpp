@@ -13,12 +13,12 @@
 #include "vdbtools/base/memory.h"
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/maps/device_choice.h"
-#include "vdbtools/mesh_files/importer_trust.h"
-#include "vdbtools/picture/screen_codes.h"
-#include "vdbtools/recipe/option_name.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/picture/gradient.h"
+#include "vdbtools/recipe/recipe.h"
 #include "vdbtools/records/failure_text.h"
 #include "vdbtools/scene/fractal_options.h"
-#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/scene/scene.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>

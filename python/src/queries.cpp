@@ -4,7 +4,7 @@
 #include "device_use.h"
 #include "patient_lock.h"
 
-#include "vdbtools/control/clamped_control.h"
+#include "vdbtools/control/control.h"
 
 #include "julia/elementary.h"
 

@@ -39,7 +39,7 @@ void thicknessAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, 
 void fullThicknessAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> thickness,
                      const QueryWork& work, vdbtools::Monitor& monitor);
 
-/// The octave of a texture that follows the thickness (octave_grid.h), interpolated as for the texture.
+/// The octave of a texture that follows the thickness (local_thickness.h), interpolated as for the texture.
 void octavesAt(const MadeScene& made, std::span<const openvdb::Vec3d> points, std::span<double> octaves,
                const QueryWork& work, vdbtools::Monitor& monitor);
 

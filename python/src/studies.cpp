@@ -5,8 +5,7 @@
 #include "arrays.h"
 #include "watched_work.h"
 
-#include "vdbtools/scene/slice_frame.h"
-#include "vdbtools/study/dimension.h"
+#include "vdbtools/scene/scene.h"
 #include "vdbtools/study/study.h"
 
 #include <pybind11/stl.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Numbers as people read them: short, near, and on the right side of what they bound.
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include "base/counter_random.h"
 

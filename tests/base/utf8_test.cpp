@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/temporary_folder.h"
 
-#include "vdbtools/explore/shell_command.h"
+#include "explore/shell_command.h"
 
-#include "vdbtools/base/shell_word.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
-#include "vdbtools/distance/fit_space.h"
 #include "vdbtools/distance/mesh_to_sdf.h"
+#include "vdbtools/distance/target.h"
 #include "vdbtools/exponent/exponent_grid.h"
 
 #include <gtest/gtest.h>

@@ -5,7 +5,6 @@
 #include "support/test_fields.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/target/inscribed_ball.h"
 #include "vdbtools/target/target_survey.h"
 
 #include <gtest/gtest.h>

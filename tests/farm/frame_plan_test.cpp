@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keys: what an option is at each frame.
-#include "vdbtools/farm/frame_plan.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 

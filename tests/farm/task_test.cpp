@@ -7,7 +7,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

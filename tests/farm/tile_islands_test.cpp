@@ -6,14 +6,14 @@
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
+#include "mesh_files/mesh_file.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/farm/manifest.h"
 #include "vdbtools/farm/merge.h"
-#include "vdbtools/farm/plan_folder.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/farm/task.h"
-#include "vdbtools/farm/tile_plan.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/job/fractal_files.h"
-#include "vdbtools/mesh_files/mesh_file.h"
+#include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <gtest/gtest.h>

@@ -6,18 +6,18 @@
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
+#include "scene/prepared_scene.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/farm/manifest.h"
 #include "vdbtools/farm/merge.h"
-#include "vdbtools/farm/plan_folder.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/farm/task.h"
-#include "vdbtools/farm/tile_plan.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/scene/prepared_scene.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include "support/speck_fields.h"
 
 #include "vdbtools/field/crumbs.h"
-#include "vdbtools/field/follow_surface.h"
 #include "vdbtools/field/fractal_field.h"
+#include "vdbtools/field/lattice_options.h"
 #include "vdbtools/search/solid_meter.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"

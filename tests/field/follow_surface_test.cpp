@@ -4,7 +4,7 @@
 #include "support/same_bits.h"
 #include "support/test_fields.h"
 
-#include "vdbtools/field/follow_surface.h"
+#include "vdbtools/field/lattice_options.h"
 #include "vdbtools/surface/extract_mesh.h"
 #include "vdbtools/surface/level_set.h"
 

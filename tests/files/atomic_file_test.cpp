@@ -4,9 +4,9 @@
 #include "support/small_disk.h"
 #include "support/temporary_folder.h"
 
+#include "files/mark_file.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/io_failure.h"
-#include "vdbtools/files/mark_file.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/temporary_folder.h"
 
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"

@@ -3,7 +3,7 @@
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
-#include "vdbtools/fit/fit_measure.h"
+#include "vdbtools/fit/fit_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,6 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/formats/vdb_points.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "explore/made_recipe.h"
 #include "harness.h"
 
-#include "vdbtools/explore/shell_command.h"
+#include "explore/shell_command.h"
 #include "vdbtools/records/recorded_recipe.h"
 
 #include <array>

@@ -8,8 +8,8 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/farm/job_template.h"
-#include "vdbtools/files/file_hash.h"
-#include "vdbtools/job/sheet_file.h"
+#include "vdbtools/files/named_file.h"
+#include "vdbtools/job/sheet_job.h"
 #include "vdbtools/records/recorded_recipe.h"
 
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "vdbtools/farm/manifest.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 
 namespace fuzz {
 

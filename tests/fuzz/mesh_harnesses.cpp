@@ -9,7 +9,6 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
-#include "vdbtools/mesh_files/point_cloud.h"
 
 #include <array>
 #include <cstring>

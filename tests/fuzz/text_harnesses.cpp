@@ -6,10 +6,10 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/control/control.h"
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/job/sdf_job.h"
+#include "vdbtools/recipe/recipe.h"
 #include "vdbtools/recipe/recipe_reader.h"
-#include "vdbtools/recipe/varied_option.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include "julia/expression.h"

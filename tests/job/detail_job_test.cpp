@@ -9,7 +9,7 @@
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/search/solid_meter.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 #include "vdbtools/target/target_survey.h"
 
 #include <gtest/gtest.h>

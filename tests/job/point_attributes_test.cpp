@@ -7,15 +7,15 @@
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
+#include "mesh_files/mesh_file.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/peer_formats.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
-#include "vdbtools/job/fractal_files.h"
-#include "vdbtools/mesh_files/mesh_file.h"
+#include "vdbtools/job/fractal_job.h"
 #include "vdbtools/picture/image.h"
-#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/scene/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/job/sheet_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/records/recorded_recipe.h"

@@ -4,7 +4,6 @@
 #include "mesh_files/mesh_formats.h"
 #include "support/temporary_folder.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/mesh_files/importer_trust.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 

@@ -3,9 +3,8 @@
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh_files/point_cloud.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // 3MF as it is read: what the program wrote, what others write, and files that are broken.
-#include "vdbtools/mesh_files/three_mf.h"
 #include "mesh_files/mesh_formats.h"
 #include "support/small_zip.h"
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <gtest/gtest.h>
 

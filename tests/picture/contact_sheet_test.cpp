@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A page of pictures: they come out as they went in, and no text leaves its cell.
-#include "vdbtools/picture/contact_sheet.h"
+#include "picture/contact_sheet.h"
 
 #include <gtest/gtest.h>
 

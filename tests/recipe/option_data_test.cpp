@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the program tells others of its options, against what a recipe gets.
-#include "vdbtools/recipe/option_data.h"
+#include "vdbtools/recipe/option_table.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>

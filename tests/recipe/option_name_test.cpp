@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recipes of earlier versions are read: each of their names leads to today's.
-#include "vdbtools/recipe/option_name.h"
-
 #include "vdbtools/recipe/recipe.h"
+
 #include "vdbtools/scene/fractal_options.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Options that take several values: lists, ranges in decimals, and what is refused.
-#include "vdbtools/recipe/varied_option.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,6 @@
 
 #include "render/shadow_proxy.h"
 #include "vdbtools/render/field_render.h"
-#include "vdbtools/render/mesh_preview.h"
 #include "vdbtools/render/preview.h"
 
 #include "julia/quadratic_map.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rays through triangles against a plain loop over all of them, and pictures of meshes against those of level sets.
-#include "vdbtools/render/mesh_preview.h"
+#include "vdbtools/render/preview.h"
 
 #include "render/ray_tree.h"
 #include "support/test_images.h"

@@ -3,7 +3,7 @@
 #include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
-#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/render/camera.h"
 #include "vdbtools/surface/extract_mesh.h"

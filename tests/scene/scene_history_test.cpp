@@ -5,10 +5,9 @@
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 
 #include <gtest/gtest.h>

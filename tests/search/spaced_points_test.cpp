@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/search/spaced_points.h"
+#include "search/spaced_points.h"
 
 #include "search/surface_search.h"
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/formats/vdb_points.h"
 #include "vdbtools/surface/extract_mesh.h"
 
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include "support/test_meshes.h"
 
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/study/dimension.h"
+#include "vdbtools/study/study.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,6 @@
 
 #include "surface/edge_search.h"
 #include "vdbtools/surface/extract_mesh.h"
-#include "vdbtools/surface/grid_mesh.h"
 #include "vdbtools/surface/level_set.h"
 
 #include <gtest/gtest.h>

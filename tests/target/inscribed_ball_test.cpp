@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The largest inscribed ball of meshes: no other scores better, and lattices leave no trace.
-#include "vdbtools/target/inscribed_ball.h"
+#include "vdbtools/target/target_survey.h"
 
 #include "search/surface_search.h"
 #include "support/test_meshes.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/base/grid_sampler.h"
+#include "base/grid_sampler.h"
 
 #include <tbb/parallel_for.h>
 

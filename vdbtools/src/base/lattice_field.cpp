@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/lattice_field.h"
 
-#include "vdbtools/base/grid_sampler.h"
+#include "base/grid_sampler.h"
 
 #include "julia/brick_field.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/base/memory.h"
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <sys/resource.h>
 #include <unistd.h>

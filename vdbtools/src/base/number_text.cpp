@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/base/phase.h"
+#include "vdbtools/base/monitor.h"
 
 #include <stdexcept>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/base/shell_word.h"
+#include "vdbtools/base/text.h"
 
 namespace vdbtools {
 

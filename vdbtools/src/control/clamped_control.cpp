@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/control/clamped_control.h"
+#include "vdbtools/control/control.h"
 
 #include "vdbtools/distance/target.h"
 

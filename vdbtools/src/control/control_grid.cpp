@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/control/control_grid.h"
+#include "vdbtools/control/control.h"
 
 #include "base/lattice_field.h"
 #include "control/control_lattice.h"

@@ -3,7 +3,7 @@
 
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "control/control_kinds.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/control/clamped_control.h"
+#include "vdbtools/control/control.h"
 #include "vdbtools/formats/vdb_file.h"
 
 #include <cmath>

@@ -2,7 +2,7 @@
 // A ramp along an axis of the target's box.
 #include "base/smooth_step.h"
 #include "control/control_kinds.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <cmath>

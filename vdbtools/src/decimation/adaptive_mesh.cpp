@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/decimation/adaptive_mesh.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include "decimation/halfedge_mesh.h"
 #include "search/surface_distance.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/distance/fit_space.h"
+#include "vdbtools/distance/target.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <openvdb/tools/Interpolation.h>
 

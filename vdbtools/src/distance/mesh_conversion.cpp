@@ -5,7 +5,7 @@
 #include "distance/distance_band.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/LeafManager.h>

@@ -4,7 +4,7 @@
 #include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,6 @@
 #include "distance/leaves.h"
 #include "distance/volume_levels.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/distance/fit_space.h"
 
 #include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/ValueAccessor.h>

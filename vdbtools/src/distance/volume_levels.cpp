@@ -7,8 +7,8 @@
 #include "distance/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/distance/fit_space.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/distance/target.h"
 
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Interpolation.h>

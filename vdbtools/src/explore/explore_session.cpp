@@ -8,17 +8,17 @@
 #include "explore/made_picture.h"
 #include "explore/made_recipe.h"
 #include "explore/scene_data.h"
+#include "explore/shell_command.h"
 #include "explore/start_data.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/explore/shell_command.h"
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
-#include "vdbtools/recipe/option_name.h"
-#include "vdbtools/records/recorded_files.h"
+#include "vdbtools/files/named_file.h"
+#include "vdbtools/recipe/recipe.h"
+#include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/voxel_advice.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <algorithm>
 #include <bit>

@@ -4,7 +4,7 @@
 #include "explore/failure_answer.h"
 #include "explore/file_access.h"
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/fractal_job.h"
 
 #include <tbb/task_arena.h>
 

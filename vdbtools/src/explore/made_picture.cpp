@@ -7,7 +7,7 @@
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/render/mesh_preview.h"
+#include "vdbtools/render/preview.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <algorithm>

@@ -4,8 +4,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/file_formats.h"
-#include "vdbtools/recipe/option_list.h"
-#include "vdbtools/recipe/option_name.h"
+#include "vdbtools/recipe/recipe.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/fractal_options.h"
 

@@ -3,8 +3,8 @@
 
 #include "base/base64.h"
 #include "render/occupancy.h"
-#include "vdbtools/files/file_hash.h"
-#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/files/named_file.h"
+#include "vdbtools/scene/scene.h"
 
 #include "julia/brick_field.h"
 #include "julia/cross_map.h"

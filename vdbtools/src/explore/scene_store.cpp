@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/scene_store.h"
 
-#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/scene/scene.h"
 
 #include <chrono>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/explore/shell_command.h"
+#include "explore/shell_command.h"
 
-#include "vdbtools/base/shell_word.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <set>

@@ -7,7 +7,7 @@
 
 namespace vdbtools::explore {
 
-/// {version, options: those of a fractal (vdbtools/recipe/option_data.h), each with the group that it belongs to,
+/// {version, options: those of a fractal (vdbtools/recipe/option_table.h), each with the group that it belongs to,
 /// maps: [{name, summary, target, roots, dimension}], textures: [{name, description, varies, thumbnail}], colours,
 /// resolutions, formats}.
 nlohmann::json programData();

@@ -2,14 +2,14 @@
 #include "vdbtools/exponent/exponent_grid.h"
 
 #include "base/elementary.h"
+#include "base/grid_sampler.h"
 #include "base/lattice_field.h"
 #include "distance/band_growth.h"
 #include "distance/cell_corners.h"
 #include "distance/leaves.h"
 #include "exponent/exponent_law.h"
 #include "exponent/radial_bound.h"
-#include "vdbtools/base/grid_sampler.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include "julia/detail.h"
 

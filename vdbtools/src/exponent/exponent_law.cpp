@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exponent/exponent_law.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include "base/elementary.h"
 

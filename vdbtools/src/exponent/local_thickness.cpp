@@ -2,7 +2,7 @@
 #include "vdbtools/exponent/local_thickness.h"
 
 #include "base/in_parallel.h"
-#include "vdbtools/distance/fit_space.h"
+#include "vdbtools/distance/target.h"
 
 #include <openvdb/tools/Dense.h>
 

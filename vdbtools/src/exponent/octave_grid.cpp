@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/exponent/octave_grid.h"
+#include "vdbtools/exponent/local_thickness.h"
 
 #include "base/elementary.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <cmath>
 #include <stdexcept>

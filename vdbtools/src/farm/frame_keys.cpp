@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/farm/plans.h"
 
 #include "base/smooth_step.h"
 
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/recipe/option_name.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include <cmath>
 #include <cstdint>

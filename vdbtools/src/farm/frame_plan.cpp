@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/farm/plans.h"
 
 #include "farm/variant_plan.h"
 
-#include "vdbtools/files/frame_name.h"
-#include "vdbtools/mesh_files/mesh_animation.h"
+#include "vdbtools/files/frames.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/farm/frame_recipes.h"
+#include "vdbtools/farm/plans.h"
 
 #include "scene/file_hashes.h"
 
-#include "vdbtools/files/frame_inputs.h"
+#include "vdbtools/files/frames.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
 

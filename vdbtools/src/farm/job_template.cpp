@@ -3,8 +3,7 @@
 
 #include "base/trimmed.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/near_words.h"
-#include "vdbtools/base/shell_word.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/farm/task.h"
 #include "vdbtools/files/file_bytes.h"
 

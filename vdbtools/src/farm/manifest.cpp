@@ -6,8 +6,8 @@
 #include "farm/variant_plan.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
-#include "vdbtools/recipe/option_name.h"
+#include "vdbtools/files/named_file.h"
+#include "vdbtools/recipe/recipe.h"
 #include "vdbtools/scene/fractal_options.h"
 
 #include <nlohmann/json.hpp>

@@ -6,14 +6,13 @@
 #include "farm/tile_count.h"
 #include "farm/tile_task.h"
 
+#include "mesh_files/mesh_file.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/farm/task.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/mesh_files/mesh_file.h"
 
 #include <nlohmann/json.hpp>
 

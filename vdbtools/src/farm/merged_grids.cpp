@@ -7,8 +7,8 @@
 #include "job/output_grids.h"
 #include "surface/band_distances.h"
 
+#include "scene/prepared_scene.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/scene/prepared_scene.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "farm/merged_mesh.h"
 
+#include "scene/prepared_scene.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/scene/prepared_scene.h"
 
 #include <functional>
 #include <list>

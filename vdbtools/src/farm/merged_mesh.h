@@ -8,11 +8,11 @@
 #include "farm/tile_task.h"
 #include "job/point_attributes.h"
 
+#include "mesh_files/mesh_file.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/farm/merge.h"
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh_files/mesh_file.h"
 #include "vdbtools/scene/scene.h"
 
 #include <cstdint>

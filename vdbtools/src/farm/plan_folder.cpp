@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/farm/plan_folder.h"
+#include "vdbtools/farm/manifest.h"
 
 #include "farm/tile_task.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/farm/sheet_plan.h"
+#include "vdbtools/farm/plans.h"
 
 #include "farm/variant_plan.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/files/frame_name.h"
-#include "vdbtools/job/sheet_file.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/files/frames.h"
+#include "vdbtools/job/sheet_job.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"

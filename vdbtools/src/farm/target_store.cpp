@@ -6,10 +6,10 @@
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/recipe/option_value.h"
 

@@ -7,12 +7,12 @@
 #include "farm/tile_task.h"
 #include "farm/variant_task.h"
 
+#include "files/mark_file.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
-#include "vdbtools/files/mark_file.h"
-#include "vdbtools/records/recorded_files.h"
+#include "vdbtools/files/named_file.h"
+#include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/scene.h"
 
 #include <sys/resource.h>

@@ -2,10 +2,10 @@
 #include "farm/task_files.h"
 
 #include "base/json_text.h"
+#include "files/mark_file.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
-#include "vdbtools/files/mark_file.h"
+#include "vdbtools/files/named_file.h"
 
 #include <nlohmann/json.hpp>
 

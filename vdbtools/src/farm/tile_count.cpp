@@ -4,7 +4,7 @@
 #include "base/json_text.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/farm/task.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/farm/tile_plan.h"
+#include "vdbtools/farm/plans.h"
 
 #include "farm/tile_task.h"
 #include "farm/variant_plan.h"
 #include "field/block_layers.h"
 
 #include "julia/evaluator.h"
+#include "scene/prepared_scene.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/farm/plan_folder.h"
+#include "vdbtools/farm/manifest.h"
 #include "vdbtools/files/atomic_file.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/scene/prepared_scene.h"
 #include "vdbtools/scene/voxel_advice.h"
 #include "vdbtools/surface/extract_mesh.h"
 

@@ -5,11 +5,11 @@
 #include "farm/tile_layers.h"
 #include "field/block_layers.h"
 
+#include "scene/prepared_scene.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/scene/prepared_scene.h"
 
 #include <openvdb/tree/ValueAccessor.h>
 

@@ -4,7 +4,7 @@
 #include "records/file_names.h"
 #include "scene/file_hashes.h"
 
-#include "vdbtools/files/frame_name.h"
+#include "vdbtools/files/frames.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"

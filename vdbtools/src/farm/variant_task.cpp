@@ -6,7 +6,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/output_files.h"
-#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/fractal_job.h"
 
 #include <functional>
 #include <set>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/field/follow_surface.h"
+#include "vdbtools/field/lattice_options.h"
 
 #include "base/in_parallel.h"
 #include "distance/leaves.h"

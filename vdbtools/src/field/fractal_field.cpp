@@ -10,7 +10,7 @@
 #include "field/crumb_filter.h"
 #include "field/undecided_blocks.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/ValueAccessor.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/field/islands.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include "base/disjoint_sets.h"
 #include "distance/mesh_conversion.h"

@@ -3,7 +3,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/io_failure.h"
 #include "vdbtools/files/standard_streams.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 
 #include "vdbtools/files/file_bytes.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/files/frame_inputs.h"
+#include "vdbtools/files/frames.h"
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/standard_streams.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/files/frame_name.h"
+#include "vdbtools/files/frames.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/files/mark_file.h"
+#include "files/mark_file.h"
 
 #include "files/temporaries.h"
 

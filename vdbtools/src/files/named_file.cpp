@@ -4,7 +4,6 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
 
 #include <cstdint>
 #include <system_error>

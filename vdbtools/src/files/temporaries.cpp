@@ -2,7 +2,7 @@
 #include "files/temporaries.h"
 
 #include "vdbtools/files/atomic_file.h"
-#include "vdbtools/files/placed_files.h"
+#include "vdbtools/files/input_files.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/fit/fit_measure.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/fit/fit_job.h"
 
 #include "base/elementary.h"
 #include "base/in_parallel.h"

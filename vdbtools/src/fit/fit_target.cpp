@@ -9,11 +9,11 @@
 #include "distance/united_parts.h"
 #include "distance/wide_distance.h"
 #include "repair/solid_input.h"
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/distance/fit_space.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/distance/mesh_to_sdf.h"
+#include "vdbtools/distance/target.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/Interpolation.h>

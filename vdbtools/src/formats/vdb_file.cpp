@@ -7,7 +7,7 @@
 #include "formats/vdb_check.h"
 #include "formats/vdb_cursor.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/formats/vdb_points.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/formats/vdb_file.h"
 
 #include "base/lattice_transform.h"
-#include "vdbtools/formats/vdb_file.h"
 
 #include <openvdb/points/PointDataGrid.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/job/fractal_files.h"
+#include "vdbtools/job/fractal_job.h"
 
-#include "vdbtools/mesh_files/mesh_file.h"
+#include "mesh_files/mesh_file.h"
 
 #include <algorithm>
 #include <list>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/job/made_fractal.h"
+#include "vdbtools/job/fractal_job.h"
 
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/file_formats.h"

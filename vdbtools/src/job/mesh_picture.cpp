@@ -4,10 +4,9 @@
 #include "base/timed_part.h"
 #include "field/block_layers.h"
 #include "mesh_files/mesh_formats.h"
-#include "vdbtools/job/fractal_files.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_sink.h"
-#include "vdbtools/render/mesh_preview.h"
+#include "vdbtools/render/preview.h"
 #include "vdbtools/scene/file_axes.h"
 
 #include <algorithm>

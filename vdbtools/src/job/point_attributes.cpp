@@ -7,7 +7,7 @@
 #include "repair/solid_input.h"
 #include "scene/scene_colouring.h"
 #include "search/surface_search.h"
-#include "vdbtools/control/clamped_control.h"
+#include "vdbtools/control/control.h"
 
 #include <openvdb/tree/LeafManager.h>
 

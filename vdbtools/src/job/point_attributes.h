@@ -7,7 +7,6 @@
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh_sink.h"
-#include "vdbtools/mesh/vertex_column.h"
 #include "vdbtools/scene/scene.h"
 
 #include <memory>

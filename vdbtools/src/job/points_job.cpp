@@ -3,9 +3,9 @@
 
 #include "base/srgb.h"
 #include "job/point_attributes.h"
+#include "search/spaced_points.h"
 #include "surface/true_surface.h"
 #include "vdbtools/job/fractal_job.h"
-#include "vdbtools/search/spaced_points.h"
 #include "vdbtools/surface/extract_mesh.h"
 
 #include <algorithm>

@@ -4,10 +4,10 @@
 #include "distance/united_parts.h"
 #include "recipe/option_rows.h"
 #include "repair/solid_input.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/file_formats.h"
 #include "vdbtools/recipe/recipe_reader.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 #include "vdbtools/target/target_input.h"
 
 #include <stdexcept>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/job/sheet_file.h"
+#include "vdbtools/job/sheet_job.h"
 
 #include "base/json_text.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/recipe/option_name.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include <nlohmann/json.hpp>
 

@@ -6,14 +6,14 @@
 #include "picture/png_text.h"
 #include "scene/file_hashes.h"
 
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/base/numbered_monitor.h"
+#include "picture/contact_sheet.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/field/lattice_options.h"
 #include "vdbtools/files/atomic_file.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
-#include "vdbtools/picture/contact_sheet.h"
-#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/files/named_file.h"
+#include "vdbtools/scene/scene.h"
 #include "vdbtools/scene/voxel_advice.h"
 
 #include <tbb/task_arena.h>

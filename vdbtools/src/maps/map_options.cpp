@@ -4,7 +4,7 @@
 #include "recipe/option_rows.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/maps/versor_options.h"
 

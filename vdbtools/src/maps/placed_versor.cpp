@@ -5,7 +5,7 @@
 #include "control/control_lattice.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include "julia/expression.h"
 #include "julia/mixed_versor.h"

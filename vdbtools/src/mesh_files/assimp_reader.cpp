@@ -3,7 +3,7 @@
 // readers, and none of Assimp's processing steps is used.
 #include "mesh_files/mesh_formats.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/mesh_files/importer_trust.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@
 #include "mesh/polygon.h"
 #include "mesh_files/gltf_pose.h"
 #include "mesh_files/usable_points.h"
-#include "vdbtools/base/length_unit.h"
 #include "vdbtools/base/memory.h"
+#include "vdbtools/base/units.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <assimp/scene.h>

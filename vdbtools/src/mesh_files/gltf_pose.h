@@ -6,7 +6,7 @@
 
 #include "mesh_files/gltf_file.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh_files/mesh_animation.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -4,7 +4,7 @@
 #include "mesh_files/gltf_pose.h"
 #include "mesh_files/mesh_formats.h"
 #include "mesh_files/usable_points.h"
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 
 #include <nlohmann/json.hpp>
 

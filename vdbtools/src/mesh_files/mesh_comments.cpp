@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh_files/mesh_comments.h"
 
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <istream>

@@ -2,7 +2,7 @@
 #include "mesh_files/mesh_encoder.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <ostream>
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/mesh_files/mesh_file.h"
+#include "mesh_files/mesh_file.h"
 
 #include "vdbtools/base/errors.h"
 

@@ -15,9 +15,8 @@
 
 #include "vdbtools/files/file_format.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh_files/mesh_animation.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
-#include "vdbtools/mesh_files/three_mf.h"
 
 #include <array>
 #include <cstdint>
@@ -61,7 +60,7 @@ Mesh readOff(const std::filesystem::path& path, std::string_view contents);
 Mesh readPly(const std::filesystem::path& path, std::string_view contents);
 /// Reads what is built, at its places; not supports, nor objects that nothing is built of.
 Mesh read3mf(const std::filesystem::path& path, std::string_view contents);
-/// The unit of a 3MF as nameOf() has it (length_unit.h); empty if it is another one. @throw DataError
+/// The unit of a 3MF as nameOf() has it (units.h); empty if it is another one. @throw DataError
 std::string unitOf3mf(const std::filesystem::path& path, std::string_view contents);
 /// Reads FBX, DAE, 3DS or X3D, if trustImporter() allows it: all meshes where the nodes show them, turned such that Y
 /// points up. Of skins and animations, it reads the points as the meshes have them. No other file is opened.

@@ -5,8 +5,6 @@
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh_files/importer_trust.h"
-#include "vdbtools/mesh_files/point_cloud.h"
 
 #include <string>
 

@@ -4,7 +4,7 @@
 #include "mesh_files/text_scan.h"
 #include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <array>

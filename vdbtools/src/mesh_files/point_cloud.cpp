@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/mesh_files/point_cloud.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <algorithm>
 #include <cmath>

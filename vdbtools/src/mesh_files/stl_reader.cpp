@@ -2,7 +2,7 @@
 #include "mesh_files/mesh_formats.h"
 #include "mesh_files/text_scan.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>

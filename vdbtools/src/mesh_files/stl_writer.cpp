@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mesh_files/mesh_encoder.h"
 #include "mesh_files/mesh_formats.h"
-#include "vdbtools/base/length_unit.h"
+#include "vdbtools/base/units.h"
 
 #include <istream>
 #include <sstream>

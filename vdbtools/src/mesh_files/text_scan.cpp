@@ -2,7 +2,7 @@
 #include "mesh_files/text_scan.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <cmath>

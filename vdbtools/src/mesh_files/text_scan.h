@@ -3,7 +3,7 @@
 /// Reading words and numbers from a text file that is held in memory, with errors that name the file and the line.
 #pragma once
 
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 
 #include <openvdb/Types.h>
 

@@ -5,8 +5,8 @@
 #include "mesh_files/mesh_formats.h"
 #include "mesh_files/usable_points.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/length_unit.h"
-#include "vdbtools/mesh_files/three_mf.h"
+#include "vdbtools/base/units.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include <istream>
 #include <iterator>
@@ -15,7 +15,7 @@
 
 #ifdef VDBTOOLS_3MF_READER
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <expat.h>

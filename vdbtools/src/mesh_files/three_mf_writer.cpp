@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/mesh_files/three_mf.h"
+#include "vdbtools/mesh_files/mesh_writer.h"
 
 #include "vdbtools/base/errors.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/picture/contact_sheet.h"
+#include "picture/contact_sheet.h"
 
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <cmath>

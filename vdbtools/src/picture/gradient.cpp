@@ -2,7 +2,7 @@
 #include "vdbtools/picture/gradient.h"
 
 #include "base/srgb.h"
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <charconv>

@@ -8,7 +8,7 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/picture/screen_codes.h"
+#include "vdbtools/picture/gradient.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/picture/slice_stack.h"
+#include "vdbtools/picture/slice_image.h"
 
 #include "files/image_module.h"
 #include "picture/image_encoder.h"
 
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/recipe/option_value.h"
 

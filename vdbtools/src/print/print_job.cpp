@@ -6,10 +6,10 @@
 #include "repair/solid_input.h"
 #include "surface/part_shape.h"
 #include "surface/part_thickness.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/decimation/adaptive_mesh.h"
 #include "vdbtools/surface/extract_mesh.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/recipe/option_data.h"
+#include "vdbtools/recipe/option_table.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/recipe/option_list.h"
+#include "vdbtools/recipe/recipe.h"
 
 #include "base/trimmed.h"
-#include "vdbtools/base/utf8.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 

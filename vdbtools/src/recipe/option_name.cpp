@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/recipe/option_name.h"
+#include "vdbtools/recipe/recipe.h"
 
 namespace vdbtools {
 namespace {

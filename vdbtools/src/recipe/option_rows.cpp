@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recipe/option_rows.h"
 
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/option_table.h"
 
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/option_value.h"
 
-#include "vdbtools/base/near_words.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <cmath>
 #include <sstream>

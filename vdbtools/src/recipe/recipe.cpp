@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/recipe/recipe.h"
 
-#include "vdbtools/recipe/option_name.h"
-
 #include <algorithm>
 
 namespace vdbtools {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/recipe/varied_option.h"
+#include "vdbtools/recipe/recipe.h"
 
-#include "vdbtools/recipe/option_name.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <algorithm>

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/records/recorded_files.h"
+#include "vdbtools/records/recorded_recipe.h"
 
 #include "records/file_names.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/files/standard_streams.h"
 #include "vdbtools/formats/file_formats.h"
 #include "vdbtools/job/sdf_job.h"
 #include "vdbtools/recipe/option_value.h"
-#include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
 

@@ -3,12 +3,12 @@
 
 #include "base/json_text.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/file_formats.h"
 #include "vdbtools/job/sdf_job.h"
-#include "vdbtools/job/sheet_file.h"
-#include "vdbtools/recipe/option_name.h"
+#include "vdbtools/job/sheet_job.h"
+#include "vdbtools/recipe/recipe.h"
 #include "vdbtools/render/view_options.h"
 #include "vdbtools/scene/fractal_options.h"
 

@@ -7,8 +7,7 @@
 #include "render/neighbourhood.h"
 #include "vdbtools/render/look.h"
 
-#include "vdbtools/base/near_words.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include "base/srgb.h"
 #include "recipe/option_rows.h"
 
-#include "vdbtools/base/near_words.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/picture/gradient.h"
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/render/mesh_preview.h"
+#include "vdbtools/render/preview.h"
 
 #include "base/srgb.h"
 #include "render/preview_renderer.h"

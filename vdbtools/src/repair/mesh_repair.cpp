@@ -4,14 +4,14 @@
 /// conversion of meshToSdf() then makes the field, which is therefore the mesh's true distance field wherever the mesh
 /// was intact. The ball also bridges grooves that are too narrow for it. Such an envelope touches no open edge, so it
 /// is not a lid, and it is left out unless the mesh leaks without it.
-#include "vdbtools/repair/mesh_repair.h"
+#include "repair/mesh_repair.h"
 #include "base/disjoint_sets.h"
 #include "distance/distance_band.h"
 #include "distance/hole_caps.h"
 #include "distance/level_surface.h"
 #include "distance/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetUtil.h>

@@ -8,7 +8,7 @@
 #include "distance/mesh_conversion.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <array>

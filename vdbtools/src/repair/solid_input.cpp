@@ -4,15 +4,14 @@
 #include "base/lattice_transform.h"
 #include "distance/mesh_conversion.h"
 #include "distance/volume_levels.h"
+#include "repair/mesh_repair.h"
 #include "repair/open_shapes.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/mesh_files/mesh_animation.h"
-#include "vdbtools/mesh_files/point_cloud.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/recipe/recipe.h"
-#include "vdbtools/repair/mesh_repair.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 

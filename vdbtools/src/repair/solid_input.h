@@ -5,7 +5,7 @@
 
 #include "vdbtools/distance/mesh_to_sdf.h"
 #include "vdbtools/distance/target.h"
-#include "vdbtools/mesh_files/mesh_animation.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/repair/mend_options.h"
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/scene/grid_names.h"
+#include "vdbtools/scene/attribute_options.h"
 
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/recipe/option_value.h"

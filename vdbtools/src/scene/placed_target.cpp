@@ -4,7 +4,7 @@
 #include "control/control_lattice.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/scene/prepared_scene.h"
+#include "scene/prepared_scene.h"
 
 #include "scene/placed_target.h"
 
 #include "base/json_text.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/recipe/option_value.h"

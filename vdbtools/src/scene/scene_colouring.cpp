@@ -2,7 +2,7 @@
 #include "scene/scene_colouring.h"
 
 #include "repair/solid_input.h"
-#include "vdbtools/control/clamped_control.h"
+#include "vdbtools/control/control.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/scene/scene_picture.h"
+#include "vdbtools/scene/scene.h"
 
 #include "scene/scene_colouring.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/scene/slice_frame.h"
+#include "vdbtools/scene/scene.h"
 
 #include <algorithm>
 

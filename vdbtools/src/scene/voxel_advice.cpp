@@ -4,7 +4,7 @@
 #include "base/up_to_tens.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/memory.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/search/spaced_points.h"
-#include "vdbtools/base/number_text.h"
+#include "search/spaced_points.h"
+#include "vdbtools/base/text.h"
 
 #include "base/counter_random.h"
 #include "base/elementary.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/study/dimension.h"
+#include "vdbtools/study/study.h"
 
 #include "base/elementary.h"
 #include "base/students_t.h"
-#include "vdbtools/base/number_text.h"
-#include "vdbtools/base/numbered_monitor.h"
+#include "vdbtools/base/monitor.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/mesh/mesh_sink.h"
 

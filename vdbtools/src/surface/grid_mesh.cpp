@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include "base/grid_memory.h"
 #include "base/lattice_transform.h"

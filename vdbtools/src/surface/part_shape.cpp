@@ -5,9 +5,9 @@
 #include "base/lattice_transform.h"
 #include "distance/distance_band.h"
 #include "distance/mesh_conversion.h"
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/surface/extract_mesh.h"
-#include "vdbtools/surface/grid_mesh.h"
+#include "vdbtools/surface/level_set.h"
 
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/Prune.h>

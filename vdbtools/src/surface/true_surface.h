@@ -3,8 +3,8 @@
 /// Moves points of a mesh to the true surface F = 0 that the mesh approximates.
 #pragma once
 
+#include "search/spaced_points.h"
 #include "vdbtools/field/fractal_field.h"
-#include "vdbtools/search/spaced_points.h"
 
 namespace vdbtools {
 

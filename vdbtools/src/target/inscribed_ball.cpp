@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/target/inscribed_ball.h"
+#include "vdbtools/target/target_survey.h"
 
 #include "distance/level_surface.h"
 #include "search/triangle_tree.h"

@@ -3,7 +3,7 @@
 
 #include "recipe/option_rows.h"
 #include "repair/solid_input.h"
-#include "vdbtools/distance/fit_space.h"
+#include "vdbtools/distance/target.h"
 #include "vdbtools/target/target_survey.h"
 
 #include <stdexcept>

@@ -9,9 +9,9 @@
 #include "distance/mesh_conversion.h"
 #include "distance/united_parts.h"
 #include "repair/solid_input.h"
-#include "vdbtools/files/file_hash.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/mesh_files/mesh_animation.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <openvdb/tools/Interpolation.h>

@@ -3,17 +3,16 @@
 
 #include "base/srgb.h"
 
+#include "usd/usd_file.h"
+#include "usd/usd_package.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
-#include "vdbtools/files/frame_name.h"
+#include "vdbtools/files/frames.h"
 #include "vdbtools/formats/vdb_file.h"
-#include "vdbtools/mesh_files/mesh_animation.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/surface/extract_mesh.h"
-#include "vdbtools/usd/usd_file.h"
-#include "vdbtools/usd/usd_package.h"
 
 #include <algorithm>
 #include <map>

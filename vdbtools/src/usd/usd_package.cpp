@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/usd/usd_package.h"
+#include "usd/usd_package.h"
 
 #include "vdbtools/base/errors.h"
 

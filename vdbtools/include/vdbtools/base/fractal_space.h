@@ -2,7 +2,7 @@
 /// @file fractal_space.h
 /// Fractal space: the coordinates in which the maps are iterated, related to world space by a similarity. The target's
 /// longest side is 1 there and its centre 0, so that a setting means the same for a target of any size at any place.
-/// See fit_space.h for the space of a target.
+/// See target.h for the space of a target.
 #pragma once
 
 #include "julia/embedding.h"

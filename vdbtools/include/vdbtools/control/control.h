@@ -15,7 +15,10 @@
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/mesh/mesh.h"
 
+#include "julia/scalar_field.h"
+
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -139,5 +142,42 @@ std::shared_ptr<const ControlSource> numberSource(double value, std::string text
 /// value of the nearest point of the surface. No path may contain a ':'.
 /// @throw std::invalid_argument  names the option, the value and what is wrong with it
 std::shared_ptr<const ControlSource> parseControl(const RecipeReader& reader, const std::string& option);
+
+// A grid as a control; points outside its nodes get the value of the nearest node.
+
+struct Target;
+
+/// Reads the grid trilinearly, in its world space. Interpolation stays within the range of the values.
+/// @param nodes  points outside them get the nearest node's value; empty: the tiles and the background apply there
+/// @pre all values are finite
+Control clampedControl(openvdb::FloatGrid::ConstPtr grid, const std::optional<openvdb::CoordBBox>& nodes);
+
+/// The control of a grid that is active at every node of its box.
+Control clampedControl(const openvdb::FloatGrid::ConstPtr& grid);
+
+/// The distance from the target's surface, as far as it is known (distance/target.h).
+Control distanceControl(const Target& target);
+
+// Controls in the form that the dynamics reads: values on a lattice, at points of fractal space.
+
+struct ControlGrid {
+  openvdb::FloatGrid::Ptr grid;  ///< every node of its box is active
+  FractalSpace space{};          ///< its world space is the grid's
+};
+
+/// Grids by the names that a map gives them.
+using ControlGrids = std::map<std::string, ControlGrid>;
+
+/// Samples a control on the lattice of 100 nodes along the target's longest side. The grid lies in fractal
+/// space itself, so its own space is the identity.
+/// @param space  the space of the map
+ControlGrid controlGrid(const Control& control, const ControlContext& context, const FractalSpace& space);
+
+/// Reads the grid trilinearly; a point outside the lattice gets the value of the nearest point of the lattice.
+template <class Real>
+std::shared_ptr<const julia::ScalarField<Real>> makeControlField(const ControlGrid& grid);
+
+extern template std::shared_ptr<const julia::ScalarField<float>> makeControlField(const ControlGrid&);
+extern template std::shared_ptr<const julia::ScalarField<double>> makeControlField(const ControlGrid&);
 
 }  // namespace vdbtools

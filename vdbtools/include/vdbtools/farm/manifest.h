@@ -85,4 +85,17 @@ std::string taskHash(const Manifest& manifest, std::uint64_t index);
 /// The complete recipe of task @a index.
 Recipe taskRecipe(const Manifest& manifest, std::uint64_t index);
 
+// The folder of a new plan.
+
+/// Checks that a plan can be written there: the folder does not exist, or is empty and writable. writePlan() creates
+/// it; whatever this check creates is removed again.
+/// @throw CreateError
+void requireNewPlanFolder(const std::filesystem::path& folder);
+
+/// Creates the folder if necessary and writes the manifest, the last file of a plan. If that fails, a folder that was
+/// created for it is removed again, together with what was prepared for its tasks.
+/// @throw CreateError  also if another plan was created there meanwhile
+/// @throw IoError
+void writePlan(const std::filesystem::path& folder, const Manifest& manifest);
+
 }  // namespace vdbtools::farm

@@ -5,7 +5,7 @@
 /// vdbtools/formats/file_formats.h has all of them together.
 #pragma once
 
-#include "vdbtools/base/up_axis.h"
+#include "vdbtools/base/units.h"
 
 #include <map>
 #include <span>

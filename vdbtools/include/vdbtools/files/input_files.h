@@ -6,7 +6,7 @@
 #include "vdbtools/files/named_file.h"
 
 #include <sys/types.h>
-
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -14,6 +14,16 @@
 #include <vector>
 
 namespace vdbtools {
+
+// Which files an interruption leaves behind, for a thread that ends the process during the work.
+
+struct PlacedFiles {
+  bool now = false;       ///< some files are being renamed, or their folders flushed, at this moment
+  std::size_t count = 0;  ///< number of files that this process has renamed over their targets so far
+};
+
+/// Counts all committed files (atomic_file.h). After removeTemporaries() the count does not grow any more.
+PlacedFiles placedFiles() noexcept;
 
 /// Two files are the same if the file system says so: through symbolic and hard links and in any spelling. Devices,
 /// pipes and folders are never inputs in this sense, because writing to them does not replace them.

@@ -9,7 +9,8 @@
 
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/grids.h"
-#include "vdbtools/base/up_axis.h"
+#include "vdbtools/base/units.h"
+#include "vdbtools/mesh/mesh_sink.h"
 
 #include <filesystem>
 #include <iosfwd>
@@ -96,5 +97,15 @@ openvdb::FloatGrid::Ptr chooseFloatGrid(const VdbFile& file, const std::string& 
 
 /// Whether the extension is .vdb, ignoring case.
 bool isVdbPath(const std::filesystem::path& path);
+
+// Points in VDB files: OpenVDB's point grids, which Houdini reads as packed points.
+
+/// Returns a grid named "points" of class unknown. Positions are the attribute P, in 32-bit floats relative to the
+/// voxels that hold the points; normals, if there are any, are N. Columns keep their names, and texture coordinates get
+/// a third component, 0. Points in a voxel keep their order.
+/// @param spacing  approximate distance between neighbours, world units, > 0; a voxel is twice as wide
+/// @throw std::invalid_argument  no points, or a spacing that is not positive
+/// @throw std::logic_error       the number of normals or values does not match the points
+openvdb::GridBase::Ptr pointGrid(const PointBatch& points, const std::vector<VertexColumn>& columns, double spacing);
 
 }  // namespace vdbtools

@@ -9,8 +9,8 @@
 #include "vdbtools/mesh/mesh.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/repair/mend_options.h"
+#include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
-#include "vdbtools/scene/grid_names.h"
 
 #include <cstddef>
 #include <filesystem>

@@ -14,9 +14,9 @@
 #pragma once
 
 #include "vdbtools/base/grids.h"
-#include "vdbtools/control/control_grid.h"
+#include "vdbtools/control/control.h"
 #include "vdbtools/exponent/exponent_grid.h"
-#include "vdbtools/exponent/octave_grid.h"
+#include "vdbtools/exponent/local_thickness.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/maps/direction_grids.h"
@@ -66,7 +66,7 @@ struct MapControl {
   enum class Kind {
     Any,
     Share,      ///< from 0 to 1
-    Frequency,  ///< the frequency of a texture, which the map receives as an octave (octave_grid.h)
+    Frequency,  ///< the frequency of a texture, which the map receives as an octave (local_thickness.h)
   };
   std::string name;    ///< letters, digits, underscores and dashes
   std::string option;  ///< without dashes, for errors

@@ -16,11 +16,43 @@
 
 namespace vdbtools {
 
+// Data at the points of meshes other than positions and normals: colours, vectors, numbers, texture coordinates.
+
+enum class ColumnKind {
+  Number,
+  Vector,             ///< three components
+  LinearRgb,          ///< a colour: three components, with the primaries of sRGB; 0 to 1
+  TextureCoordinate,  ///< two components
+};
+
+/// A column of a table whose rows are the points. Its values are floats, as many as it has components.
+struct VertexColumn {
+  std::string name;
+  ColumnKind kind = ColumnKind::Number;
+};
+
+constexpr std::size_t componentsOf(ColumnKind kind) {
+  switch (kind) {
+    case ColumnKind::Number: return 1;
+    case ColumnKind::TextureCoordinate: return 2;
+    case ColumnKind::Vector:
+    case ColumnKind::LinearRgb: return 3;
+  }
+  return 0;
+}
+
+/// The number of floats per row.
+inline std::size_t rowLength(std::span<const VertexColumn> columns) {
+  std::size_t length = 0;
+  for (const VertexColumn& column : columns) length += componentsOf(column.kind);
+  return length;
+}
+
 /// A batch of a mesh's points, in the order of their indices.
 struct PointBatch {
   std::span<const openvdb::Vec3d> positions;  ///< world units
   std::span<const openvdb::Vec3s> normals{};  ///< unit length, one per point; or empty, in all batches
-  /// The values of the other columns (vertex_column.h), row by row, with one row per point. The sink's creator knows
+  /// The values of the other columns, row by row, with one row per point. The sink's creator knows
   /// the columns.
   std::span<const float> values{};
 };

@@ -8,10 +8,10 @@
 /// or in pieces, for any stream.
 #pragma once
 
-#include "vdbtools/base/up_axis.h"
+#include "vdbtools/base/units.h"
 #include "vdbtools/files/file_format.h"
+#include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
-#include "vdbtools/mesh/vertex_column.h"
 
 #include <filesystem>
 #include <iosfwd>
@@ -133,5 +133,19 @@ class MeshStreamWriter final : public MeshSink {
 FileTexts readMeshTexts(const std::filesystem::path& path);
 /// The same from the beginning of a file of a format of meshes. The state of the stream shows read errors.
 FileTexts meshTexts(const FileFormat& format, std::istream& stream);
+
+// Writes meshes as 3MF, a format for 3D printing: a zip with a model in XML (3MF Core Specification 1.3, ISO/IEC
+// 25422). The unit is the millimetre.
+
+/// Whether this build can write 3MF, which requires libzip.
+bool canWrite3mf();
+/// Whether this build can read 3MF (mesh_reader.h), which requires libexpat, too.
+bool canRead3mf();
+
+/// Returns the bytes of a file with one object, with positions as 32-bit floats. The same mesh gives the same bytes.
+/// @param mesh      millimetres, closed and oriented outward
+/// @param metadata  stored under the project's own names
+/// @throw std::invalid_argument  this build has no libzip
+std::string encode3mf(const Mesh& mesh, const std::map<std::string, std::string>& metadata = {});
 
 }  // namespace vdbtools

@@ -5,15 +5,24 @@
 /// (2009), and grey.
 #pragma once
 
+#include "vdbtools/picture/image.h"
+
 #include <openvdb/Types.h>
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace vdbtools {
+
+// Converts an image to screen codes.
+
+/// Returns red, green and blue of each pixel, row by row from the top left, as 8-bit sRGB codes: the contents of a PNG
+/// of the image.
+std::vector<std::uint8_t> screenCodes(const Image& image);
 
 class Gradient {
  public:

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "vdbtools/base/monitor.h"
-#include "vdbtools/base/up_axis.h"
+#include "vdbtools/base/units.h"
 #include "vdbtools/mesh/mesh.h"
 
 #include <cstdint>

@@ -4,7 +4,7 @@
 /// @throw std::invalid_argument  naming the option, its value and what is expected
 #pragma once
 
-#include "vdbtools/base/number_text.h"
+#include "vdbtools/base/text.h"
 
 #include <openvdb/Types.h>
 #include <openvdb/math/BBox.h>

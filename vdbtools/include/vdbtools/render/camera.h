@@ -8,7 +8,7 @@
 #pragma once
 
 #include "vdbtools/base/grids.h"
-#include "vdbtools/base/up_axis.h"
+#include "vdbtools/base/units.h"
 
 namespace vdbtools {
 

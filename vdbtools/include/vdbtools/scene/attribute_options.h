@@ -4,12 +4,15 @@
 /// (docs/attributes.md).
 #pragma once
 
-#include "vdbtools/mesh/vertex_column.h"
+#include "vdbtools/mesh/mesh_sink.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/render/field_colour.h"
 
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdbtools {
@@ -42,5 +45,22 @@ AttributeOptions parseAttributeOptions(const RecipeReader& reader);
 
 /// What each vertex has: the columns that a mesh sink gets.
 std::vector<VertexColumn> meshColumns(const AttributeOptions& options);
+
+// The names that grids have in files, so that the volume shaders of other programs find them without being told.
+
+/// The names that grids get in a file, by the program's own names; grids that are not listed keep theirs.
+using GridNames = std::map<std::string, std::string>;
+
+/// --grid-names: a program, or pairs such as trap=temperature, or both, with commas between them.
+OptionSpec gridNamesOption();
+
+/// @param text   the value of --grid-names; empty: all grids keep their names
+/// @param grids  the grids that are made, by the program's own names
+/// @throw std::invalid_argument  no such program; a pair for a grid that is not made; two grids that would have one
+///                               name
+GridNames parseGridNames(const std::string& text, std::span<const std::string> grids);
+
+/// The metadata of a file in which the grid of distances called @a own has another name; empty if it has not.
+std::map<std::string, std::string> distanceGridMetadata(const GridNames& names, const std::string& own);
 
 }  // namespace vdbtools

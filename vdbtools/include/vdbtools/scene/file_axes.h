@@ -3,8 +3,7 @@
 /// The axis that points up in the target and in the files that are made from it, and the unit of their coordinates.
 #pragma once
 
-#include "vdbtools/base/length_unit.h"
-#include "vdbtools/base/up_axis.h"
+#include "vdbtools/base/units.h"
 #include "vdbtools/formats/file_formats.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/recipe/recipe_reader.h"

@@ -9,7 +9,6 @@
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
-#include "vdbtools/scene/grid_names.h"
 #include "vdbtools/surface/surface_options.h"
 #include "vdbtools/target/space_options.h"
 #include "vdbtools/target/target_input.h"

@@ -9,6 +9,7 @@
 #include "vdbtools/field/fractal_field.h"
 #include "vdbtools/files/input_files.h"
 #include "vdbtools/maps/map_descriptor.h"
+#include "vdbtools/render/view_options.h"
 #include "vdbtools/scene/feature_sizes.h"
 #include "vdbtools/scene/fractal_options.h"
 
@@ -182,5 +183,23 @@ Recipe resolvedRecipe(const Scene& scene, Recipe recipe);
 
 /// The metadata of files that are made from a scene: its recipe, its own metadata, and the program's version.
 std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recipe& recipe);
+
+// The part of a scene that a picture of a plane shows.
+
+/// The scene's box, or its target with a margin, world units. A picture shows the rectangle that its plane cuts out of
+/// this box.
+openvdb::BBoxd sliceFrame(const Scene& scene);
+
+// Prepares a scene for the renderer: the region that rays go through, and the options of the picture.
+
+/// The region that rays go through, world units: the requested box, or the whole set.
+openvdb::BBoxd pictureRegion(const Scene& scene);
+
+/// The options for the renderer: @a picture with the scene's camera, colours, orbit and dropped axis.
+/// @param region  as pictureRegion() has it
+/// @param usual   the colours if neither the picture nor the recipe gives any
+/// @throw what reading the gradient of the colours throws
+FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture,
+                                  FieldColour usual = FieldColour::Clay);
 
 }  // namespace vdbtools

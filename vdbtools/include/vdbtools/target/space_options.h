@@ -21,7 +21,7 @@ enum class SpaceKind {
 
 /// Where the origin of the dynamics is placed.
 enum class OriginKind {
-  Auto,    ///< the centre of the largest inscribed ball for a map with a shell; for others the centre of fit_space.h
+  Auto,    ///< the centre of the largest inscribed ball for a map with a shell; for others the centre of target.h
   Centre,  ///< the middle of the shape's box
   Given,   ///< a given offset from the middle of the box
 };

@@ -14,7 +14,7 @@
 #include "vdbtools/exponent/local_thickness.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/mesh/mesh.h"
-#include "vdbtools/mesh_files/mesh_animation.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/recipe/recipe_reader.h"
 #include "vdbtools/repair/mend_options.h"
 

@@ -3,8 +3,8 @@
 /// Combines existing VDBs and meshes, also those of the frames of a sequence, into one USD scene.
 #pragma once
 
-#include "vdbtools/base/length_unit.h"
 #include "vdbtools/base/monitor.h"
+#include "vdbtools/base/units.h"
 
 #include <filesystem>
 #include <iosfwd>

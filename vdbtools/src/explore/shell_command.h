@@ -3,7 +3,7 @@
 /// Recipes as commands that can be pasted into a shell.
 #pragma once
 
-#include "vdbtools/farm/frame_plan.h"
+#include "vdbtools/farm/plans.h"
 #include "vdbtools/recipe/option_table.h"
 
 #include <string>

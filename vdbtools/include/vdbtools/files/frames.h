@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// @file frame_name.h
-/// File names with a frame number, in the notations of Houdini (`$F4`), Nuke and Blender (`####`) and printf (`%04d`).
+/// @file frames.h
+/// The files of a sequence of frames.
 #pragma once
 
+#include "vdbtools/files/input_files.h"
+
+#include <cstddef>
+#include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
 namespace vdbtools {
+
+// File names with a frame number, in the notations of Houdini (`$F4`), Nuke and Blender (`####`) and printf (`%04d`).
 
 /// Returns the name of one frame's file. A pattern is one of
 ///   - `$F4`, padded with zeros to 4 digits, or `$F`, not padded. `$F` before a letter or `_` is another variable, and
@@ -28,5 +35,26 @@ bool hasFramePattern(std::string_view name);
 /// The file name without folders, extension and pattern, and without the dots, dashes, blanks and underscores that this
 /// leaves at its ends: "run" for "shots/run.####.obj". May be empty. @throw std::invalid_argument  as expandFrame()
 std::string stemWithoutFrame(std::string_view name);
+
+// Collects the files that the frames of a sequence read, so that missing files are reported before the work begins.
+
+class FrameInputs {
+ public:
+  /// Adds a file and checks whether it exists. Nothing is opened.
+  /// @param frame  the frame that reads it; if several frames read the same file, the first one is reported
+  void add(const std::filesystem::path& file, int frame);
+
+  /// @throw MissingInputError  names the first few missing files and their frames
+  void requireNoneMissing() const;
+
+  /// All files, which no output may replace.
+  const InputFiles& files() const { return mFiles; }
+
+ private:
+  InputFiles mFiles;
+  std::set<std::filesystem::path> mKnown;
+  std::size_t mMissing = 0;
+  std::string mNames;  ///< the first few missing ones
+};
 
 }  // namespace vdbtools

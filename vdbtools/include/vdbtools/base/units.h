@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// @file up_axis.h
-/// The axis of the world that points up, and the rotation from one convention to the other. Both are right-handed. From
-/// Y up to Z up it is the quarter turn about x that takes (x, y, z) to (x, -z, y). It only exchanges and negates
-/// coordinates, so it is exact and invertible.
+/// @file units.h
+/// The unit of a file's coordinates, and the axis that points up.
 #pragma once
 
 #include <openvdb/Types.h>
@@ -11,6 +9,42 @@
 #include <utility>
 
 namespace vdbtools {
+
+// The unit of a shape's coordinates, if it is known.
+
+/// The metadata entry that records the unit of a file's own coordinates, as nameOf() writes it. Without it, the unit is
+/// unknown.
+inline constexpr const char* kLengthUnit = "julia_length_unit";
+
+enum class LengthUnit { Millimetre, Centimetre, Metre, Inch };
+
+inline constexpr LengthUnit kLengthUnits[] = {LengthUnit::Millimetre, LengthUnit::Centimetre, LengthUnit::Metre,
+                                              LengthUnit::Inch};
+
+/// "mm", "cm", "m" or "in".
+constexpr const char* nameOf(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::Millimetre: return "mm";
+    case LengthUnit::Centimetre: return "cm";
+    case LengthUnit::Metre: return "m";
+    case LengthUnit::Inch: return "in";
+  }
+  return "";
+}
+
+constexpr double metresOf(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::Millimetre: return 1e-3;
+    case LengthUnit::Centimetre: return 1e-2;
+    case LengthUnit::Metre: return 1;
+    case LengthUnit::Inch: return 0.0254;
+  }
+  return 1;
+}
+
+// The axis of the world that points up, and the rotation from one convention to the other. Both are right-handed. From
+// Y up to Z up it is the quarter turn about x that takes (x, y, z) to (x, -z, y). It only exchanges and negates
+// coordinates, so it is exact and invertible.
 
 enum class UpAxis { Y, Z };
 

@@ -8,7 +8,7 @@
 /// its own.
 #pragma once
 
-#include "vdbtools/base/up_axis.h"
+#include "vdbtools/base/units.h"
 #include "vdbtools/mesh/mesh.h"
 
 #include <filesystem>
