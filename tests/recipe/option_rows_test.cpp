@@ -106,7 +106,7 @@ TEST(OptionRows, OtherValuesAreRefusedByName) {
       {{{"size", "2.5"}}, "--size is '2.5'; it must be above 0 and at most 2"},
       {{{"limit", "0.5"}}, "--limit is '0.5'; it must be 1 or more"},
       {{{"count", "0"}}, "--count is '0'; it must be a whole number from 1 to 9"},
-      {{{"colour", "gren"}}, "--colour is 'gren'; it must be one of red, green; did you mean green?"},
+      {{{"colour", "gren"}}, "--colour is 'gren'; it must be one of red, green; did you mean 'green'?"},
       {{{"colours", "red,red"}}, "--colours is 'red,red'; it must be a list in which no name occurs twice"},
       {{{"colours", "red,"}}, "--colours is 'red,'; it must be a list of red, green"},
       {{{"at", "1,2"}}, "--at is '1,2'; it must be 3 finite numbers with commas between them"},
