@@ -54,7 +54,7 @@ constexpr Usage kVersorUsage = {
     nullptr,
     "list new inspect add scale translate"};
 
-constexpr std::string_view kPrefix = "versor-";
+constexpr std::string_view kPrefix = "texture-";
 
 /// What 'new' takes for random roots: the options of 'fractal' without their prefix.
 std::vector<vdbtools::OptionSpec> newRootsSpecs() {

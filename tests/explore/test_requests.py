@@ -47,7 +47,7 @@ class Page(harness.CliTest):
         self.assertEqual(start["target"]["triangles"], 24 * 12 * 2)
         self.assertEqual(start["target"]["name"], "s.obj")
         self.assertEqual(start["folder"], str(self.folder))
-        options = {option["entry"]: option for option in start["options"]}
+        options = {option["name"]: option for option in start["options"]}
         self.assertEqual(options["detail"]["alternative"], "alpha" if "alternative" in options["alpha"] else
                          options["detail"]["alternative"])
         self.assertIn("shape-modulus", options["detail"]["maps"])
@@ -66,9 +66,9 @@ class Page(harness.CliTest):
         made = harness.read_ply(self.bytes("x.ply")).comments
         for option in start["options"]:
             default = option["defaults"].get("shape-modulus")
-            name = "julia_" + option["entry"].replace("-", "_")
-            if default is not None and option["entry"] not in start["recipe"] and name in made:
-                self.assertEqual(made[name], default, option["entry"])
+            name = "julia_" + option["name"].replace("-", "_")
+            if default is not None and option["name"] not in start["recipe"] and name in made:
+                self.assertEqual(made[name], default, option["name"])
 
     def test_without_a_target(self):
         page = self.serve("--map", "mandelbulb", "--resolution", "20")

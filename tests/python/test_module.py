@@ -177,7 +177,7 @@ class LikeTheCommand(ModuleTest):
         juliavdb.fractal(map="rational", rational=self.path("a.json"), resolution=20)
         with self.assertRaisesRegex(ValueError, "no target was given"):
             juliavdb.fit()
-        with self.assertRaisesRegex(ValueError, r"\.json \.o3d"):
+        with self.assertRaisesRegex(ValueError, r"\.json or \.o3d"):
             fitted.write("a.vdb")
 
     def test_pictures_have_the_pixels_of_the_commands(self):

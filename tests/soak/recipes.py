@@ -211,7 +211,7 @@ class Draw:
         likely = chance.choice([0.03, 0.1, 0.1, 0.3])
         drawn = []
         for option in known["options"]:
-            name = option["entry"]
+            name = option["name"]
             # Mending what is whole is allowed, and rare.
             rare = 0.1 if name in ("repair", "repair-gap", "solidify", "thicken", "points-radius", "grid", "iso", "invert") else 1
             if name in NOT_DRAWN or self.map not in option["maps"]:
@@ -219,7 +219,7 @@ class Draw:
             if name != mend and chance.random() > likely * rare:
                 continue
             rivals = {option.get("alternative"), *option["displaces"]} | {
-                o["entry"] for o in known["options"] if name in o["displaces"] or o.get("alternative") == name}
+                o["name"] for o in known["options"] if name in o["displaces"] or o.get("alternative") == name}
             # A contradiction is a usage error, which is a law too.
             if rivals & {other for other, _ in drawn} and chance.random() < 0.95:
                 continue
