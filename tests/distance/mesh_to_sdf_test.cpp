@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/distance/mesh_to_sdf.h"
-#include "repair/mesh_repair.h"
+#include "vdbtools/repair/mesh_repair.h"
 
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"

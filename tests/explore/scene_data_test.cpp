@@ -4,12 +4,12 @@
 
 #include "base/base64.h"
 #include "base/srgb.h"
-#include "explore/embedded_page.h"
 #include "explore/export_page.h"
 #include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/explore/embedded_page.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
 #include "vdbtools/picture/gradient.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "distance/hole_caps.h"
-#include "repair/mesh_repair.h"
 #include "repair/open_shapes.h"
 #include "repair/solid_input.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/distance/mesh_to_sdf.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/repair/mesh_repair.h"
 
 #include <gtest/gtest.h>
 

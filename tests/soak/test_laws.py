@@ -75,7 +75,7 @@ class Laws(unittest.TestCase):
 
 class Recipes(unittest.TestCase):
     known = {"maps": [{"name": "m", "target": "none"}], "textures": [], "colours": ["clay"], "gradients": [],
-             "options": [{"entry": f"new-{k}", "argument": argument, "help": text, "maps": ["m"], "displaces": [],
+             "options": [{"name": f"new-{k}", "argument": argument, "help": text, "maps": ["m"], "displaces": [],
                           "default": None}
                          for k, (argument, text) in enumerate((("", "a flag"), ("N", "a number"), ("X,Y,Z", "a place"),
                                                                ("a|b", "a choice"), ("LIST", "a list of p, q")))]}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "explore/embedded_page.h"
+#include "vdbtools/explore/embedded_page.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -2,12 +2,12 @@
 // Accepts connections, and decides which requests are served at all, before a body is read.
 #include "vdbtools/explore/explore_server.h"
 
-#include "explore/embedded_page.h"
 #include "explore/explore_session.h"
 #include "explore/http_connection.h"
 #include "explore/http_listener.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/text.h"
+#include "vdbtools/explore/embedded_page.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <openssl/crypto.h>

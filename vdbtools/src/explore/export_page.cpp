@@ -2,10 +2,10 @@
 #include "explore/export_page.h"
 
 #include "base/base64.h"
-#include "explore/embedded_page.h"
 #include "explore/look_data.h"
 #include "explore/scene_data.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/explore/embedded_page.h"
 
 #include <zlib.h>
 

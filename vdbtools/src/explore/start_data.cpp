@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/start_data.h"
 
-#include "explore/embedded_page.h"
 #include "explore/look_data.h"
+#include "vdbtools/explore/embedded_page.h"
 #include "vdbtools/formats/file_formats.h"
 #include "vdbtools/maps/texture_shelf.h"
 #include "vdbtools/recipe/option_table.h"

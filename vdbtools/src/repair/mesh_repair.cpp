@@ -4,7 +4,7 @@
 /// conversion of meshToSdf() then makes the field, which is therefore the mesh's true distance field wherever the mesh
 /// was intact. The ball also bridges grooves that are too narrow for it. Such an envelope touches no open edge, so it
 /// is not a lid, and it is left out unless the mesh leaks without it.
-#include "repair/mesh_repair.h"
+#include "vdbtools/repair/mesh_repair.h"
 #include "base/disjoint_sets.h"
 #include "distance/distance_band.h"
 #include "distance/hole_caps.h"

@@ -4,7 +4,6 @@
 #include "base/lattice_transform.h"
 #include "distance/mesh_conversion.h"
 #include "distance/volume_levels.h"
-#include "repair/mesh_repair.h"
 #include "repair/open_shapes.h"
 #include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
@@ -12,6 +11,7 @@
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/recipe/recipe.h"
+#include "vdbtools/repair/mesh_repair.h"
 
 #include <openvdb/tools/SignedFloodFill.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "usd/usd_file.h"
+#include "vdbtools/usd/usd_file.h"
 
 #include <algorithm>
 #include <charconv>

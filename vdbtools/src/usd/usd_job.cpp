@@ -3,7 +3,6 @@
 
 #include "base/srgb.h"
 
-#include "usd/usd_file.h"
 #include "usd/usd_package.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/files/file_bytes.h"
@@ -13,6 +12,7 @@
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/surface/extract_mesh.h"
+#include "vdbtools/usd/usd_file.h"
 
 #include <algorithm>
 #include <map>
