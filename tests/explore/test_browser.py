@@ -110,7 +110,7 @@ class Browser(browser.BrowserTest):
         """By its address, by the command, by a file that was made, and by a file that was saved."""
         self.open_page()
         self.run_script("""explore.store.change((state) => {
-            Object.assign(state.recipe, { versor: "thorns", detail: "0.6", slice: "0.1", colour: "trap:magma" });
+            Object.assign(state.recipe, { texture: "thorns", detail: "0.6", slice: "0.1", colour: "trap:magma" });
             state.look.options = { material: "slate", light: "30,20" };
             Object.assign(state.view, { eye: state.view.eye.map((value, i) => value + [0.2, 0.1, 0.4][i]) });
           });""")
@@ -118,6 +118,10 @@ class Browser(browser.BrowserTest):
         state = self.state()
         self.driver.refresh()
         self.prepare()
+        self.settle()
+        self.assertEqual(self.state(), state)
+        # An address of version 1.0 has another name for the texture.
+        self.assertIn("thorns", self.run_script("return location.hash = location.hash.replaceAll('texture', 'versor')"))
         self.settle()
         self.assertEqual(self.state(), state)
 
@@ -141,7 +145,7 @@ class Browser(browser.BrowserTest):
         name, recipe = self.saved(1)
         self.assertTrue(name.endswith(".json"))
         for file, content in ((made, self.bytes(made)), (name, recipe)):
-            self.run_script("explore.store.change((state) => { state.recipe = { input: state.recipe.input, versor: 'fur' }; })")
+            self.run_script("explore.store.change((state) => { state.recipe = { input: state.recipe.input, texture: 'fur' }; })")
             self.drop(file, content)
             self.wait_until(lambda: self.state()["recipe"].get("texture") == "thorns", f"the recipe of {file}")
             dropped = self.state()["recipe"]
@@ -593,7 +597,7 @@ class Browser(browser.BrowserTest):
         # By the name of the option, in any group.
         for option in self.run_script("return fetch('start').then((one) => one.json()).then((one) => one.options.filter((option) =>"
                                       " option.maps.includes('shape-modulus') && option.group !== 'target').map((option) => option.name))"):
-            if option in ("alpha", "beta", "resolution", "box", "map", "versor"):
+            if option in ("alpha", "beta", "resolution", "box", "map", "texture"):
                 continue  # not with detail, elsewhere on the page, or a shelf
             self.run_script("const field = document.querySelector('.finder input'); field.value = arguments[0]; field.dispatchEvent(new Event('input'))", option)
             self.assertTrue(self.run_script("return [...document.querySelectorAll('.control')].some((one) => one.dataset.name === arguments[0]"

@@ -116,7 +116,9 @@ TEST(OptionRows, OtherValuesAreRefusedByName) {
 
 TEST(OptionRows, TheHelpShowsTheWordsOfAChoice) {
   for (const OptionSpec& spec : settingsRows().specs()) {
-    if (spec.name == "colour") EXPECT_EQ(spec.argument, "red|green");
+    if (spec.name == "colour") {
+      EXPECT_EQ(spec.argument, "red|green");
+    }
     EXPECT_EQ(spec.argument.empty(), spec.type.kind == OptionType::Kind::Flag) << spec.name;
   }
 }

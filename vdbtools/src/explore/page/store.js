@@ -25,7 +25,8 @@ export function stateOfHash(hash, first) {
   }
   if (typeof read !== "object" || read === null) return null;
   const state = structuredClone(first);
-  for (const [name, value] of Object.entries(read.recipe ?? {})) {
+  for (const [given, value] of Object.entries(read.recipe ?? {})) {
+    const name = given.replace(/^versor(?=-|$)/, "texture");  // its name in addresses of version 1.0
     if (value === null) delete state.recipe[name];
     else if (typeof value === "string" && /^[a-z][a-z0-9-]*$/.test(name)) state.recipe[name] = value;
   }
