@@ -52,8 +52,8 @@ const FileFormat* formatOfMesh(const std::filesystem::path& path) {
 FileTexts readMeshTexts(const std::filesystem::path& path) {
   std::ifstream file = openToRead(path);
   const FileFormat* const format = formatOfMesh(path);
-  if (!format || !rowOf(*format).texts) return {};
-  FileTexts texts = rowOf(*format).texts(file);
+  if (!format) return {};
+  FileTexts texts = meshTexts(*format, file);
   if (file.bad()) throw IoError("reading '" + path.string() + "' broke off");
   return texts;
 }

@@ -6,8 +6,8 @@
 ///
 ///     const OptionRows<SurfaceOptions>& surfaceRows() {
 ///       static const OptionRows<SurfaceOptions> rows{
-///           {{.name = "tolerance", .argument = "T", .help = "..."}, number(&SurfaceOptions::tolerance, within(0,
-///           0.5))},
+///           {{.name = "tolerance", .argument = "T", .help = "..."},
+///            number(&SurfaceOptions::tolerance, within(0, 0.5))},
 ///           {{.name = "cap", .help = "..."}, flag(&SurfaceOptions::cap)}};
 ///       return rows;
 ///     }
@@ -95,6 +95,9 @@ auto defaultOf(Member member, TextOf textOf) {
   };
 }
 
+/// Of a value that has none.
+inline constexpr auto noDefault = [](const auto&) { return std::optional<std::string>(); };
+
 }  // namespace option_rows
 
 // The bounds of numbers.
@@ -145,7 +148,7 @@ std::string wordFor(const Value& value, const Choices<Value>& choices) {
 
 template <class Member>
 auto flag(Member member) {
-  return RowValue{OptionType{.kind = OptionType::Kind::Flag}, [](const auto&) { return std::optional<std::string>(); },
+  return RowValue{OptionType{.kind = OptionType::Kind::Flag}, option_rows::noDefault,
                   [member](const RecipeReader& reader, const std::string& name, auto& options) {
                     std::invoke(member, options) = reader.flag(name);
                   }};
@@ -230,14 +233,14 @@ auto text(Member member) {
 /// The same value for an option that is not given by default, whatever its member is then.
 template <class Value>
 auto withoutDefault(Value value) {
-  return RowValue{value.type, [](const auto&) { return std::optional<std::string>(); }, value.read, value.namesWords};
+  return RowValue{value.type, option_rows::noDefault, value.read, value.namesWords};
 }
 
 /// A value that @a parse reads by itself. It gets the reader, the option's name and the struct.
 template <class Parse>
 auto parsedBy(Parse parse, OptionType type = {}) {
   return RowValue{
-      type, [](const auto&) { return std::optional<std::string>(); },
+      type, option_rows::noDefault,
       [parse](const RecipeReader& reader, const std::string& name, auto& options) { parse(reader, name, options); }};
 }
 
