@@ -4,6 +4,7 @@
 #include "batch_view.h"
 #include "cone_arithmetic.h"
 #include "number_text.h"
+#include "wave_sums.h"
 #include "wave_tables.h"
 
 #include "julia/elementary.h"
@@ -112,12 +113,6 @@ void WaveVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<Re
 
 namespace {
 
-/// The versor of @a q; 1 for 0.
-Quaternion<double> unit(const Quaternion<double>& q) {
-  const double length = norm(q);
-  return length > 0 ? q * (1 / length) : Quaternion<double>::one();
-}
-
 // The largest phase whose sine is computed well, in quadrants.
 constexpr double kMostQuadrants = 0x1p20;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
@@ -127,17 +122,6 @@ struct Texel {
   Quaternion<double> versor = Quaternion<double>::one();
   double turning = 0;  ///< radians by which it may turn over the ball, with rounding; infinity: no bound
 };
-
-Quaternion<double> sumOfWaves(const WaveFactor& factor, const Quaternion<double>& p) {
-  Quaternion<double> sum;
-  for (const Wave& wave : factor.waves) {
-    double sine = 0, cosine = 1;
-    const Quaternion<double>& w = wave.frequency;
-    kernels::sineCosine(4 * (w.a * p.a + w.b * p.b + w.c * p.c + w.d * p.d), &sine, &cosine);
-    sum = sum + wave.cosine * cosine + wave.sine * sine;
-  }
-  return sum;
-}
 
 double blendAt(double octave, double k) {
   const double f = std::clamp(octave - k, 0., 1.);

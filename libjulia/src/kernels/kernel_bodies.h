@@ -501,6 +501,7 @@ constexpr Kernels<Real> kTable = {
     .crossProduct = crossProduct<Real>,
     .triplex = triplex<Real>,
     .waveVersor = waveVersor<Real>,
+    .grainVersor = grainVersor<Real>,
     .waveDiscs = waveDiscs,
     .sampleTrilinear = sampleTrilinear<Real>,
     .sampleQuadratic = sampleQuadratic<Real>,

@@ -147,6 +147,9 @@ struct Kernels {
   /// The versors of waves about @a origin, for octaves from -40 to 40.
   void (*waveVersor)(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount,
                      const Real* origin, ConstBatch<Real> q, const Real* octave, Batch<Real> u, std::size_t size);
+  /// The versors of waves that follow a grain (julia/grain_versor.h). @param fields  its five fields at the points
+  void (*grainVersor)(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount,
+                      const Real* const* fields, Batch<Real> u, std::size_t size);
   /// Discs that contain the versors of waves over balls, as waveVersor() computes them in another type, whose rounding
   /// of a versor is at most @a slack. They are formed from the derivatives at the centre and from bounds of the terms
   /// of higher order.

@@ -79,5 +79,48 @@ void waveVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std:
   }
 }
 
+template <class Real>
+void grainVersor(const WaveTerm<Real>* waves, const WaveSpan<Real>* factors, std::size_t factorCount,
+                 const Real* const* fields, Batch<Real> out, std::size_t size) {
+  alignas(64) Rows4<Real> versor, sum;
+  alignas(64) Row<Real> read[5];
+  alignas(64) Row<Real> certain;
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    const std::size_t padded = range.padded;
+    for (int k = 0; k < 5; ++k) load(fields[k], read[k], range);
+    JULIA_FOR_POINTS {
+      Real alongCertain, acrossCertain;
+      read[0][i] = certainPhase(read[0][i], read[1][i], &alongCertain);
+      read[1][i] = certainPhase(read[2][i], read[3][i], &acrossCertain);
+      read[4][i] *= 4;
+      certain[i] = alongCertain * acrossCertain;
+      for (int c = 0; c < 4; ++c) versor[c][i] = c == 0 ? Real(1) : Real(0);
+    }
+    for (std::size_t number = 0; number < factorCount; ++number) {
+      const WaveSpan<Real>& factor = factors[number];
+      for (int c = 0; c < 4; ++c) JULIA_FOR_POINTS sum[c][i] = 0;
+      for (std::size_t w = factor.first; w < factor.last; ++w) {
+        const WaveTerm<Real> wave = waves[w];
+        JULIA_FOR_POINTS {
+          const Real angle =
+              grainPhase(wave.frequency[0], wave.frequency[1], wave.frequency[2], read[0][i], read[1][i], read[4][i]);
+          Real sine, cosine;
+          sineCosine(angle, &sine, &cosine);
+          for (int c = 0; c < 4; ++c) sum[c][i] += wave.cosine[c] * cosine + wave.sine[c] * sine;
+        }
+      }
+      unitRows(sum, sum, padded);
+      for (std::uint32_t times = 0; times < factor.power; ++times) multiplyRows(versor, sum, factor.conjugated, padded);
+    }
+    JULIA_FOR_POINTS {
+      versor[0][i] = fadedPart(versor[0][i], Real(1), certain[i]);
+      for (int c = 1; c < 4; ++c) versor[c][i] = fadedPart(versor[c][i], Real(0), certain[i]);
+    }
+    unitRows(versor, versor, padded);
+    for (int c = 0; c < 4; ++c) store(versor[c], out.component[c], range);
+  }
+}
+
 }  // namespace
 }  // namespace julia::kernels

@@ -107,7 +107,8 @@ std::uint64_t parseSeed(const RecipeReader& reader, const std::string& option) {
 
 /// Of --frequency.
 std::string idleFrequency(const OptionRun& run) {
-  if (run.text("map") == "rational" || !followsThickness(run.text("texture")))
+  const bool withGrain = hasGrain(run.recipe) && followsGrain(run.text("texture"));
+  if (run.text("map") == "rational" || (!followsThickness(run.text("texture")) && !withGrain))
     return "it is for textures of waves, and roots are as large as they are; leave it out, or give a texture that "
            "follows the thickness";
   return {};
@@ -162,7 +163,8 @@ OptionSpec frequencyOption() {
               "or a number above 0; takes the same values as --detail. For the textures that follow the thickness",
           .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
             const auto versor = recipe.find("texture");
-            return followsThickness(versor == recipe.end() ? usualVersor(recipe) : versor->second)
+            const std::string texture = versor == recipe.end() ? usualVersor(recipe) : versor->second;
+            return followsThickness(texture) || (hasGrain(recipe) && followsGrain(texture))
                        ? std::optional<std::string>("medium")
                        : std::nullopt;
           },
@@ -396,7 +398,7 @@ RootsSettings parseRoots(const RecipeReader& reader, const std::string& fileOpti
       settings.file = fileOption == "texture" ? parseRootsFile(reader, fileOption) : reader.file(fileOption);
     settings.random = parseRandomRoots(reader);
   }
-  if (settings.texture && settings.texture->followsThickness()) {
+  if (settings.texture && (settings.texture->followsThickness() || hasGrain(reader))) {
     if (!reader.has("frequency"))
       throw std::invalid_argument("--texture " + name +
                                   " follows the local thickness of a target, which only --map shape-modulus has; give "
@@ -413,7 +415,7 @@ RootsSettings parseOverRoots(const RecipeReader& reader) {
   settings.texture = findTexture(name);
   if (!settings.texture && name != kRandom) settings.file = parseRootsFile(reader, "texture-over");
   settings.random.seed = parseSeed(reader, "texture-over-seed");
-  if (settings.texture && settings.texture->followsThickness())
+  if (settings.texture && (settings.texture->followsThickness() || hasGrain(reader)))
     settings.frequency = parseFrequency(reader, "texture-over-frequency");
   parsePlacement(reader, settings);
   return settings;
@@ -448,6 +450,10 @@ julia::WaveTexture placeWaves(const RootsSettings& settings, const std::optional
   const Vec3d& by = settings.translate;
   waves.origin = julia::Embedding{0, embedding.dropped}.quaternion<double>({by[0], by[1], by[2]});
   return waves;
+}
+
+julia::WaveTexture grainWaves(const RootsSettings& settings, const std::optional<WaveFile>& file, int octave) {
+  return file ? alongGrain(file->waves, octave) : grainWavesOf(*settings.texture, settings.random.seed, octave);
 }
 
 std::optional<std::uint64_t> seedOf(const RootsSettings& settings) {

@@ -8,6 +8,7 @@
 #include "vdbtools/base/text.h"
 
 #include "julia/expression.h"
+#include "julia/grain_versor.h"
 #include "julia/mixed_versor.h"
 #include "julia/moved_versor.h"
 #include "julia/rational_versor.h"
@@ -203,6 +204,7 @@ struct LayerFiles {
   const std::optional<RationalFile>& roots;
   const std::optional<DirectionGrids>& directions;
   const std::optional<WaveFile>& waves;
+  std::string grain;  ///< the layer's name of it; empty: none
 };
 
 PlacedLayer placedLayer(const VersorSource& source, const julia::Embedding& embedding, const MapContext& context,
@@ -217,6 +219,12 @@ PlacedLayer placedLayer(const VersorSource& source, const julia::Embedding& embe
         sharedFields(filledAbout(*files.directions, context.target->box, "--" + source.option), context.space);
   } else if (source.isFunction) {
     layer.function = programFunction(function, embedding, context.space);
+  } else if (!files.grain.empty() && source.followsGrain()) {
+    for (const std::string& name : grainGridNames(files.grain))
+      layer.grain.push_back(sharedField(context.controls->at(name)));
+    layer.scale = grainScale(*context.controls->at(grainGridNames(files.grain).back()).grid);
+    layer.scale.wavelength /= context.space.scale;
+    layer.waves = grainWaves(source.roots, files.waves, layer.scale.octave);
   } else if (source.followsThickness()) {
     layer.waves = placeWaves(source.roots, files.waves, embedding);
   } else {
@@ -239,13 +247,15 @@ PlacedVersor::PlacedVersor(const VersorSettings& settings, const julia::Embeddin
                            const VersorFunction& function)
     : mEmbedding(embedding),
       mUnder(placedLayer(
-          settings.under, embedding, context, {context.files.roots, context.files.directions, context.files.waves},
+          settings.under, embedding, context,
+          {context.files.roots, context.files.directions, context.files.waves, settings.grain ? "grain" : ""},
           context.octave ? sharedField(ControlGrid{context.octave->grid, context.octave->space}) : nullptr, function)) {
   if (settings.over) {
     const ControlGrids& controls = *context.controls;
     const auto octave = controls.find("over-octave");
     mOver = placedLayer(*settings.over, embedding, context,
-                        {context.files.overRoots, context.files.overDirections, context.files.overWaves},
+                        {context.files.overRoots, context.files.overDirections, context.files.overWaves,
+                         settings.grain ? "over-grain" : ""},
                         octave == controls.end() ? nullptr : sharedField(octave->second), function);
     mMix = sharedField(controls.at("mix"));
   }
@@ -259,7 +269,12 @@ template <class Real>
 std::shared_ptr<const julia::VersorField<Real>> PlacedVersor::layer(const PlacedLayer& layer) const {
   std::shared_ptr<const julia::VersorField<Real>> field;
   const RootsSettings& settings = layer.source.roots;
-  if (layer.waves) {
+  if (!layer.grain.empty()) {
+    typename julia::GrainVersor<Real>::Fields fields;
+    for (std::size_t k = 0; k < fields.size(); ++k) fields[k] = layer.grain[k]->get<Real>();
+    field = std::make_shared<julia::GrainVersor<Real>>(*layer.waves, std::move(fields), layer.scale.wavelength,
+                                                       mEmbedding.dropped);
+  } else if (layer.waves) {
     field = std::make_shared<julia::WaveVersor<Real>>(*layer.waves, layer.octave->get<Real>(), mEmbedding.dropped);
   } else if (layer.source.isRoots()) {
     field = std::make_shared<julia::RationalVersor<Real>>(layer.roots.placed);
@@ -315,7 +330,8 @@ std::optional<std::uint64_t> PlacedVersor::seed() const {
 void PlacedVersor::reseed(std::uint64_t seed, const MapContext& context) {
   mUnder.source.roots.random.seed = seed;
   if (mUnder.waves)
-    mUnder.waves = placeWaves(mUnder.source.roots, std::nullopt, mEmbedding);
+    mUnder.waves = mUnder.grain.empty() ? placeWaves(mUnder.source.roots, std::nullopt, mEmbedding)
+                                        : grainWaves(mUnder.source.roots, std::nullopt, mUnder.scale.octave);
   else
     mUnder.roots = placeRoots(mUnder.source.roots, context.files.roots, mEmbedding, context);
 }

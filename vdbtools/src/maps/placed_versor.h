@@ -55,6 +55,8 @@ struct PlacedLayer {
   PlacedRoots roots{};  ///< if the layer is made from roots
   std::optional<julia::WaveTexture> waves{};
   SharedFieldPtr octave{};                   ///< if the layer is made from waves
+  std::vector<SharedFieldPtr> grain{};       ///< if these follow a grain, its fields (julia::GrainField)
+  GrainScale scale{};                        ///< of the grain, with its wavelength in units of fractal space
   std::vector<SharedFieldPtr> directions{};  ///< the components of a field
   julia::DirectionFunction function{};       ///< a formula, or a function of the calling program
 };

@@ -111,6 +111,7 @@ class ShapeModulusDescriptor final : public MapDescriptor {
     std::vector<OptionSpec> options = shellOptions();
     for (OptionSpec& option : rootsOptions()) options.push_back(std::move(option));
     options.push_back(frequencyOption());
+    for (OptionSpec& option : grainOptions()) options.push_back(std::move(option));
     for (OptionSpec& option : layerOptions()) options.push_back(std::move(option));
     options.push_back(shellIterationsOption());
     options.push_back(shellEscapeOption());

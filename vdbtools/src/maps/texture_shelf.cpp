@@ -141,6 +141,47 @@ julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed) {
   return made;
 }
 
+namespace {
+
+/// Makes the numbers along a grain and across it whole, and not both of them 0.
+julia::Quaternion<double> wholeNumbers(const julia::Quaternion<double>& frequency, int octave) {
+  const double finer = std::ldexp(1.0, octave);
+  double along = std::round(frequency.a), across = std::round(frequency.b);
+  if (along == 0 && across == 0 && (frequency.a != 0 || frequency.b != 0)) {
+    if (std::abs(frequency.a) > std::abs(frequency.b))
+      along = frequency.a < 0 ? -1 : 1;
+    else
+      across = frequency.b < 0 ? -1 : 1;
+  }
+  return {finer * along, finer * across, finer * frequency.c, 0};
+}
+
+}  // namespace
+
+julia::WaveTexture alongGrain(const julia::WaveTexture& waves, int octave) {
+  // The lattice has one wave across the thickness where a frequency of 1 would make two.
+  constexpr double kPerCycle = 2;
+  julia::WaveTexture made = waves;
+  made.origin = {};
+  for (julia::WaveFactor& factor : made.factors)
+    for (julia::Wave& wave : factor.waves) {
+      const julia::Quaternion<double>& f = wave.frequency;
+      wave.frequency = wholeNumbers({kPerCycle * f.b, kPerCycle * f.a, kPerCycle * f.c, 0}, octave);
+    }
+  return made;
+}
+
+julia::WaveTexture grainWavesOf(const Texture& texture, std::uint64_t seed, int octave) {
+  if (texture.grain.empty()) return alongGrain(wavesOf(texture, seed), octave);
+  julia::WaveTexture made;
+  for (const WaveStrand& strand : texture.grain) {
+    julia::WaveFactor factor = wavesOf(strand, seed);
+    for (julia::Wave& wave : factor.waves) wave.frequency = wholeNumbers(wave.frequency, octave);
+    made.factors.push_back(std::move(factor));
+  }
+  return made;
+}
+
 julia::WaveTexture placedWaves(julia::WaveTexture waves, double scale, const julia::Embedding& embedding) {
   for (julia::WaveFactor& factor : waves.factors)
     for (julia::Wave& wave : factor.waves) {

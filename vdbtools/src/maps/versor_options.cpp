@@ -50,7 +50,7 @@ std::string idleOverSeed(const OptionRun& run) {
 
 std::string idleOverFrequency(const OptionRun& run) {
   if (const std::string why = idleWithoutOver(run); !why.empty()) return why;
-  if (overFollowsThickness(run.recipe)) return {};
+  if (overFollowsThickness(run.recipe) || (hasGrain(run.recipe) && followsGrain(overOf(run.recipe)))) return {};
   return "--texture-over " + overOf(run.recipe) +
          " is as large as it is; leave it out, or give a texture that follows the thickness";
 }
@@ -157,6 +157,12 @@ bool isCoordinate(const std::string& name) {
   return std::find(std::begin(kKnown), std::end(kKnown), name) != std::end(kKnown);
 }
 
+/// Adds one of the grids of a grain.
+void addGrain(std::vector<MapControl>& controls, const std::string& name, const VersorSettings& settings,
+              const VersorSource& source) {
+  controls.push_back({name, "grain", source.roots.frequency, MapControl::Kind::Grain, settings.grain});
+}
+
 std::vector<const VersorSource*> sourcesOf(const VersorSettings& settings) {
   std::vector<const VersorSource*> sources{&settings.under};
   if (settings.over) sources.push_back(&*settings.over);
@@ -174,6 +180,8 @@ bool followsThickness(const std::string& versor) {
   const Texture* const texture = findTexture(versor);
   return texture ? texture->followsThickness() : versor.starts_with(kWaves);
 }
+
+bool followsGrain(const std::string& versor) { return findTexture(versor) || versor.starts_with(kWaves); }
 
 std::vector<OptionSpec> layerOptions() {
   return {
@@ -193,7 +201,9 @@ std::vector<OptionSpec> layerOptions() {
        .argument = "F",
        .help = "the frequency of the second texture; takes the same values as --frequency",
        .defaultFor = [](const Recipe& recipe) -> std::optional<std::string> {
-         return overFollowsThickness(recipe) ? std::optional<std::string>("medium") : std::nullopt;
+         return overFollowsThickness(recipe) || (hasGrain(recipe) && followsGrain(overOf(recipe)))
+                    ? std::optional<std::string>("medium")
+                    : std::nullopt;
        },
        .defaultNote = "medium",
        .hash = "texture-over-frequency-sha256",
@@ -224,6 +234,7 @@ VersorSettings parseVersor(const RecipeReader& reader, bool hasFunction) {
   } else {
     settings.under = {.option = "texture", .roots = parseRoots(reader, "texture")};
   }
+  settings.grain = parseGrain(reader);
   settings.symmetry = parseSymmetry(reader);
   if (reader.text("texture-over") == kNone) return settings;
   settings.over = parseDirections(reader, "texture-over", hasFunction);
@@ -245,7 +256,18 @@ std::vector<NamedFile> filesOf(const VersorSettings& settings) {
     add(source->roots.frequency);
   }
   add(settings.mix);
+  if (settings.grain) {
+    if (settings.grain->file) files.push_back(*settings.grain->file);
+    add(settings.grain->turn);
+  }
   return files;
+}
+
+std::vector<std::string> grainGridNames(const std::string& layer) {
+  std::vector<std::string> names;
+  for (const char* field : {"-along-cosine", "-along-sine", "-across-cosine", "-across-sine", "-depth"})
+    names.push_back(layer + field);
+  return names;
 }
 
 std::vector<MapControl> controlsOf(const VersorSettings& settings) {
@@ -257,9 +279,15 @@ std::vector<MapControl> controlsOf(const VersorSettings& settings) {
       if (!isCoordinate(name) && known.insert(name).second)
         controls.push_back({"at-" + name, source->option, ControlSetting(expressionSource(name, source->option))});
   }
+  if (settings.grain) {
+    if (settings.under.followsGrain())
+      for (const std::string& name : grainGridNames("grain")) addGrain(controls, name, settings, settings.under);
+    if (settings.over && settings.over->followsGrain())
+      for (const std::string& name : grainGridNames("over-grain")) addGrain(controls, name, settings, *settings.over);
+  }
   if (!settings.over) return controls;
   controls.push_back({"mix", "texture-mix", settings.mix, MapControl::Kind::Share});
-  if (settings.over->followsThickness())
+  if (settings.over->followsThickness() && !settings.grain)
     controls.push_back(
         {"over-octave", "texture-over-frequency", settings.over->roots.frequency, MapControl::Kind::Frequency});
   return controls;

@@ -3,10 +3,12 @@
 
 #include "control/control_lattice.h"
 #include "repair/solid_input.h"
+#include "scene/scene_grain.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/maps/versor_options.h"
 
 #include "julia/detail.h"
 
@@ -41,16 +43,6 @@ Control bound(const ControlSource& source, const ControlContext& context, const 
 bool readsTarget(const ShellSettings& shell) {
   const std::vector<ControlSetting> controls = shell.controls();
   return std::any_of(controls.begin(), controls.end(), [](const auto& control) { return control->needsTarget(); });
-}
-
-/// The parts of the target that controls may refer to. @param needsTarget  whether one of them needs the distances
-ControlContext controlContext(bool needsTarget, SharedTarget& shared, const PlacedSpace& placed, Monitor& monitor) {
-  ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
-  if (!needsTarget) return context;
-  context.space = placed.unmoved;
-  context.phi = shared.survey(monitor).phi();
-  context.tau = [&] { return FloatGrid::ConstPtr(shared.survey(monitor).thickness(monitor).tau); };
-  return context;
 }
 
 /// Binds the controls of a shell to the target.
@@ -95,6 +87,15 @@ BandWidths widthsOf(const SpaceOptions& space, double mapReach, const TargetInpu
 }
 
 }  // namespace
+
+ControlContext controlContext(bool needsTarget, SharedTarget& shared, const PlacedSpace& placed, Monitor& monitor) {
+  ControlContext context{.targetBox = shared.input().box(), .mesh = shared.input().mesh()};
+  if (!needsTarget) return context;
+  context.space = placed.unmoved;
+  context.phi = shared.survey(monitor).phi();
+  context.tau = [&] { return FloatGrid::ConstPtr(shared.survey(monitor).thickness(monitor).tau); };
+  return context;
+}
 
 julia::OrbitOptions orbitOf(const FractalOptions& options) {
   julia::OrbitOptions orbit = options.map->orbit();
@@ -146,8 +147,24 @@ ControlGrids controlsOf(const MapSettings& map, SharedTarget& shared, const Plac
   constexpr double kRounding = 1e-5;  // as of the shell's shares
   const std::pair share(-kRounding, 1 + kRounding);
   const std::pair any(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+  std::vector<std::pair<std::string, GrainGrids>> grains;
   for (const MapControl& control : map.controls()) {
     const std::string option = "--" + control.option;
+    if (control.kind == MapControl::Kind::Grain) {
+      // Layers of one frequency share their grids.
+      const std::string key = control.control->text();
+      auto found = std::find_if(grains.begin(), grains.end(), [&](const auto& grain) { return grain.first == key; });
+      if (found == grains.end())
+        found = grains.insert(grains.end(), {key, grainOf(*control.grain, control.control, shared, target, monitor)});
+      const GrainGrids& grain = found->second;
+      const std::string layer = control.name.starts_with("over-") ? "over-grain" : "grain";
+      const std::vector<std::string> names = grainGridNames(layer);
+      const FloatGrid::Ptr all[] = {grain.alongCosine, grain.alongSine, grain.acrossCosine, grain.acrossSine,
+                                    grain.depth};
+      for (std::size_t k = 0; k < names.size(); ++k)
+        if (names[k] == control.name) grids[control.name] = {all[k], target.placed.space};
+      continue;
+    }
     if (control.kind == MapControl::Kind::Frequency) {
       const OctaveGrid octave = octaveOf(control.control, shared, target, voxel, monitor);
       grids[control.name] = {octave.grid, octave.space};

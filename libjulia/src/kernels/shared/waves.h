@@ -33,3 +33,22 @@ JULIA_SHARED void makeUnit(Real a, Real b, Real c, Real d, Real* ua, Real* ub, R
   *uc = c * by;
   *ud = d * by;
 }
+
+/// The angle of a cosine and a sine in quadrants, from -2 to 2. @param certain  how much it counts, from 0 to 1
+JULIA_SHARED Real certainPhase(Real cosine, Real sine, Real* certain) {
+  // Small enough to be no angle, and large enough that no square underflows.
+  const Real least = JULIA_REAL(0x1p-40), size = magnitude(sine);
+  Real inverse;
+  const Real angle = angleInQuadrants(cosine, size > least ? size : least, &inverse);
+  const Real twice = 2 * (cosine * cosine + sine * sine), t = twice < 1 ? twice : JULIA_REAL(1);
+  *certain = t * t * (3 - 2 * t);
+  return sine < 0 ? -angle : angle;
+}
+
+/// The phase of a wave that follows a grain, in quadrants.
+JULIA_SHARED Real grainPhase(Real m, Real n, Real w, Real along, Real across, Real depth) {
+  return m * along + n * across + w * depth;
+}
+
+/// A component of a versor that fades into another one.
+JULIA_SHARED Real fadedPart(Real part, Real other, Real certain) { return other + certain * (part - other); }

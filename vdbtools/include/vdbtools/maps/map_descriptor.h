@@ -20,6 +20,7 @@
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/versor_file.h"
 #include "vdbtools/maps/direction_grids.h"
+#include "vdbtools/maps/grain_options.h"
 #include "vdbtools/recipe/option_table.h"
 #include "vdbtools/recipe/recipe_reader.h"
 
@@ -67,11 +68,13 @@ struct MapControl {
     Any,
     Share,      ///< from 0 to 1
     Frequency,  ///< the frequency of a texture, which the map receives as an octave (local_thickness.h)
+    Grain,      ///< the frequency of a texture that follows a grain; one of the five grids of GrainGrids
   };
   std::string name;    ///< letters, digits, underscores and dashes
   std::string option;  ///< without dashes, for errors
   ControlSetting control;
   Kind kind = Kind::Any;
+  std::optional<GrainSettings> grain{};  ///< for Grain
 };
 
 /// The map in a scene. Immutable; it does not refer to the MapContext any more.

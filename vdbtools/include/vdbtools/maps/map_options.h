@@ -107,6 +107,9 @@ std::optional<std::uint64_t> seedOf(const RootsSettings& settings);
 julia::WaveTexture placeWaves(const RootsSettings& settings, const std::optional<WaveFile>& file,
                               const julia::Embedding& embedding);
 
+/// Waves that follow a grain, whose numbers along it and across it are whole. @param octave  GrainScale::octave
+julia::WaveTexture grainWaves(const RootsSettings& settings, const std::optional<WaveFile>& file, int octave);
+
 /// @param file  what the settings' file holds, if they name one
 /// @throw std::invalid_argument  as julia::randomPolynomial(), placeTexture(), julia::scaled()
 PlacedRoots placeRoots(const RootsSettings& settings, const std::optional<RationalFile>& file,

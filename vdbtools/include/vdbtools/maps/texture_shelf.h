@@ -48,6 +48,10 @@ struct Texture {
   /// Alternatively, factors of waves, whose features follow the target's local thickness.
   std::vector<WaveStrand> waves{};
 
+  /// Factors of waves that follow a grain (julia/grain_versor.h); empty: those of `waves`, laid along it. Their
+  /// frequencies are along the grain, across it and away from the surface, in cycles for each wave of the lattice.
+  std::vector<WaveStrand> grain{};
+
   bool followsThickness() const { return !waves.empty(); }
   /// Whether the seed has an effect.
   bool varies() const;
@@ -62,6 +66,11 @@ const Texture& defaultTexture();
 
 /// The waves of a texture that consists of waves, along the axes of the target.
 julia::WaveTexture wavesOf(const Texture& texture, std::uint64_t seed);
+/// The waves of a texture along a grain, from any texture of the shelf: Y becomes the direction along it, X across it,
+/// and Z away from the surface. @param octave  by how many octaves they are finer than the lattice's waves
+julia::WaveTexture grainWavesOf(const Texture& texture, std::uint64_t seed, int octave);
+/// The same of waves along the axes of the target.
+julia::WaveTexture alongGrain(const julia::WaveTexture& waves, int octave);
 /// Moves such waves to the axes of an embedding. @param scale  factor of their lengths, not 0
 julia::WaveTexture placedWaves(julia::WaveTexture waves, double scale, const julia::Embedding& embedding);
 

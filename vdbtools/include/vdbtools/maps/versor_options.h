@@ -41,6 +41,7 @@ struct VersorSource {
   bool isFunction = false;         ///< the program's own
 
   bool isRoots() const { return !formula && !field && !waves && !isFunction; }
+  bool followsGrain() const { return waves || (isRoots() && roots.texture); }
   bool followsThickness() const { return waves || (isRoots() && roots.texture && roots.texture->followsThickness()); }
 };
 
@@ -48,6 +49,7 @@ struct VersorSettings {
   VersorSource under;
   std::optional<VersorSource> over;         ///< mixed over it
   ControlSetting mix;                       ///< how much of it, where there is one
+  std::optional<GrainSettings> grain{};     ///< that the layers follow which can
   std::optional<julia::Symmetry> symmetry;  ///< of each; its centre is the middle of the target
 
   /// What is not a plain texture or plain roots.
@@ -59,6 +61,9 @@ bool isDirections(const std::string& versor);
 /// Whether the value is a texture of waves, of the shelf or of a file.
 bool followsThickness(const std::string& versor);
 
+/// Whether the value is a texture that can follow a grain: one of the shelf, or waves of a file.
+bool followsGrain(const std::string& versor);
+
 /// --texture-over, --texture-over-seed, --texture-over-frequency, --texture-mix and --texture-symmetry.
 std::vector<OptionSpec> layerOptions();
 
@@ -67,6 +72,8 @@ std::vector<OptionSpec> layerOptions();
 VersorSettings parseVersor(const RecipeReader& reader, bool hasFunction);
 
 std::vector<NamedFile> filesOf(const VersorSettings& settings);
+/// The names of the five grids of a layer's grain, in the order of julia::GrainField.
+std::vector<std::string> grainGridNames(const std::string& layer);
 /// The controls that are read where the map is evaluated.
 std::vector<MapControl> controlsOf(const VersorSettings& settings);
 /// @throw as readRoots() and readDirectionGrids()

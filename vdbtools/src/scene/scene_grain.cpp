@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/scene_grain.h"
+
+#include "base/elementary.h"
+#include "control/control_lattice.h"
+#include "search/surface_search.h"
+#include "vdbtools/base/errors.h"
+#include "vdbtools/base/text.h"
+#include "vdbtools/maps/direction_grids.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace vdbtools {
+namespace {
+
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+
+/// Vectors of a mesh at the points nearest to those asked for.
+/// @param vectorAt  the vector at a point of the surface
+GrainVectors vectorsOnMesh(const std::shared_ptr<const Mesh>& mesh,
+                           std::function<Vec3d(const SurfacePoint& point)> vectorAt) {
+  const auto search = std::make_shared<const SurfaceSearch>(mesh->points, mesh->triangles);
+  return [search, vectorAt = std::move(vectorAt)](std::span<const Vec3d> points, std::span<Vec3d> vectors) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const std::optional<SurfacePoint> nearest = search->nearest(points[i]);
+      vectors[i] = nearest ? vectorAt(*nearest) : Vec3d(0);
+    }
+  };
+}
+
+std::shared_ptr<const Mesh> requireMesh(const ControlContext& context, const GrainSettings& settings) {
+  if (context.mesh) return context.mesh;
+  throw DataError("--grain " + settings.text +
+                  " needs the target's mesh, and the target is a VDB; give the mesh, or another grain");
+}
+
+GrainVectors attributeVectors(const GrainSettings& settings, const ControlContext& context) {
+  const std::shared_ptr<const Mesh> mesh = requireMesh(context, settings);
+  std::array<const VertexAttribute*, 3> parts{};
+  const auto find = [&](const std::string& name) {
+    const auto found = std::find_if(mesh->attributes.begin(), mesh->attributes.end(),
+                                    [&](const VertexAttribute& attribute) { return attribute.name == name; });
+    return found == mesh->attributes.end() ? nullptr : &*found;
+  };
+  const bool hasUnderscores = find(settings.attribute + "_x");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::string name = settings.attribute + (hasUnderscores ? "_" : "") + "xyz"[axis];
+    if (!find(name))
+      throw DataError("--grain " + settings.text +
+                      " needs a vector at each point of the target's mesh, which are the "
+                      "attributes " +
+                      settings.attribute + "_x, " + settings.attribute + "_y and " + settings.attribute +
+                      "_z; the mesh has " + attributeNames(*mesh));
+    parts[axis] = &requireAttribute(*mesh, name, "the target's mesh");
+  }
+  return vectorsOnMesh(mesh, [mesh, parts](const SurfacePoint& point) {
+    const openvdb::Vec3I& t = mesh->triangles[point.triangle];
+    Vec3d vector(0);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int corner = 0; corner < 3; ++corner)
+        vector[axis] +=
+            point.weights[corner] * static_cast<double>(parts[static_cast<std::size_t>(axis)]->values[t[corner]]);
+    return vector;
+  });
+}
+
+/// The direction in which a texture coordinate grows.
+GrainVectors uvVectors(const GrainSettings& settings, const ControlContext& context) {
+  const std::shared_ptr<const Mesh> mesh = requireMesh(context, settings);
+  requireUvs(*mesh);
+  return vectorsOnMesh(mesh, [mesh, which = *settings.uv](const SurfacePoint& point) {
+    const openvdb::Vec3I& t = mesh->triangles[point.triangle];
+    const openvdb::Vec2s* uv = &mesh->cornerUvs[3 * std::size_t{point.triangle}];
+    const Vec3d a = mesh->points[t[1]] - mesh->points[t[0]], b = mesh->points[t[2]] - mesh->points[t[0]];
+    const auto rise = [&](int corner) {
+      return static_cast<double>(uv[corner][which]) - static_cast<double>(uv[0][which]);
+    };
+    // The gradient g in the triangle's plane: g.a and g.b are the rises along its edges.
+    const Vec3d normal = a.cross(b);
+    Vec3d gradient = rise(1) * b.cross(normal) + rise(2) * normal.cross(a);
+    if (!gradient.normalize(0)) return Vec3d(0);
+    return gradient;
+  });
+}
+
+GrainVectors fieldVectors(const GrainSettings& settings, const ControlContext& context) {
+  const DirectionGrids read = readDirectionGrids(settings.file->path, settings.grids, "--grain");
+  if (read.components.size() != 3)
+    throw DataError("--grain " + settings.text + " names " + std::to_string(read.components.size()) +
+                    " grids; it must be a grid of vectors, or three grids of floats");
+  const auto grids = std::make_shared<const DirectionGrids>(filledAbout(read, context.targetBox, "--grain"));
+  return [grids](std::span<const Vec3d> points, std::span<Vec3d> vectors) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        const FloatGrid& grid = *grids->components[static_cast<std::size_t>(axis)];
+        Vec3d at = grid.worldToIndex(points[i]);
+        for (int k = 0; k < 3; ++k) at[k] = std::clamp<double>(at[k], grids->nodes.min()[k], grids->nodes.max()[k]);
+        vectors[i][axis] = static_cast<double>(openvdb::tools::BoxSampler::sample(grid.tree(), at));
+      }
+  };
+}
+
+/// How far from the surface the shell reaches, as a multiple of the local thickness.
+double reachOf(const PlacedTarget& target) {
+  constexpr double kMargin = 0.1, kWhole = 1;
+  if (!target.shell || !target.shell->made || !target.shell->made->options.detail) return kWhole;
+  const DetailOptions& detail = *target.shell->made->options.detail;
+  return std::max(detail.detail.range().second, detail.outward.range().second) + kMargin;
+}
+
+}  // namespace
+
+GrainGrids grainOf(const GrainSettings& settings, const ControlSetting& frequency, SharedTarget& shared,
+                   const PlacedTarget& target, Monitor& monitor) {
+  const bool needsTarget = settings.turn->needsTarget() || frequency->needsTarget();
+  const ControlContext context = controlContext(needsTarget, shared, target.placed, monitor);
+  GrainOptions options{.kind = settings.kind, .towards = settings.towards};
+  if (settings.uv)
+    options.given = uvVectors(settings, context);
+  else if (settings.file)
+    options.given = fieldVectors(settings, context);
+  else if (!settings.attribute.empty())
+    options.given = attributeVectors(settings, context);
+  options.turn = settings.turn->bind(context);
+  const Control perThickness = frequency->bind(context);
+
+  const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(target.shell));
+  const GrainSurface surface = grainSurface(*shared.survey(monitor).phi(), thickness, monitor);
+  const std::vector<std::complex<double>> directions = grainDirections(surface, options, monitor);
+
+  // The lattice has waves as long as those of the frequency 1/2, or 2^octave times as long.
+  const auto [low, high] = perThickness.range();
+  GrainScale scale;
+  constexpr double kUsual = 2;
+  if (perThickness.constant())
+    while (high / std::ldexp(1., scale.octave) > kUsual) ++scale.octave;
+  std::vector<Vec3d> points(surface.graph.size());
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = Vec3d(surface.graph.position(i).data());
+  std::vector<double> frequencies(points.size()), wavelength(points.size());
+  perThickness.sample(points, frequencies);
+  // Shorter waves than these are not resolved.
+  constexpr double kVoxels = 3.2, kSpacings = 4;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(frequencies[i] > 0 && std::isfinite(frequencies[i])))
+      throw DataError("the frequency is " + shortText(frequencies[i]) +
+                      " at a place of the target; it must be above 0 everywhere");
+    const double wanted = 4 * surface.thickness[i] * std::ldexp(1., scale.octave) / frequencies[i];
+    wavelength[i] = std::max({wanted, kVoxels * surface.voxel, kSpacings * surface.graph.spacing(i)});
+    scale.wavelength = std::max(scale.wavelength, wavelength[i]);
+  }
+  GrainGrids grids = grainGrids(surface, directions, wavelength, reachOf(target), thickness, monitor);
+  setGrainScale(*grids.depth, scale);
+  return grids;
+}
+
+}  // namespace vdbtools

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file scene_grain.h
+/// The grain of a texture over a scene's target.
+#pragma once
+
+#include "scene/placed_target.h"
+#include "vdbtools/grain/grain.h"
+#include "vdbtools/maps/grain_options.h"
+
+namespace vdbtools {
+
+/// The parts of the target that controls may refer to. @param needsTarget  whether one of them needs the distances
+ControlContext controlContext(bool needsTarget, SharedTarget& shared, const PlacedSpace& placed, Monitor& monitor);
+
+/// @param frequency  of the texture
+/// @throw DataError  the target lacks what the grain asks for
+GrainGrids grainOf(const GrainSettings& settings, const ControlSetting& frequency, SharedTarget& shared,
+                   const PlacedTarget& target, Monitor& monitor);
+
+}  // namespace vdbtools
