@@ -16,6 +16,7 @@
 #include "julia/wave_versor.h"
 #include "support/float128.h"
 #include "support/lumpy_bricks.h"
+#include "support/random_grain.h"
 #include "support/random_waves.h"
 
 #include <gtest/gtest.h>
@@ -216,6 +217,21 @@ TYPED_TEST(Devices, theShapeModulusOfWaves) {
     expectSameBitsOnDevice(
         julia::makeFieldEvaluator<Real>(map, Embedding{0.05, dropped}, OrbitOptions{.maxIterations = 6}), 0.6,
         "waves " + std::to_string(round));
+  }
+}
+
+TYPED_TEST(Devices, theShapeModulusOfAGrain) {
+  using Real = TypeParam;
+  law_tests::Random random(52);
+  for (int round = 0; round < 6; ++round) {
+    const julia::PlacedBricks bricks = law_tests::lumpyBricks(Interpolation::Trilinear);
+    const auto field = std::make_shared<julia::BrickField<Real>>(bricks.bricks, bricks.placement);
+    const auto dropped = static_cast<DropAxis>(round % 3);
+    const auto map = std::make_shared<const julia::ShapeModulus<Real>>(
+        field, law_tests::randomGrainVersor<Real>(random, dropped), dropped);
+    expectSameBitsOnDevice(
+        julia::makeFieldEvaluator<Real>(map, Embedding{0.05, dropped}, OrbitOptions{.maxIterations = 6}), 0.6,
+        "grain " + std::to_string(round));
   }
 }
 

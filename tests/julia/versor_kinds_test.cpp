@@ -9,6 +9,7 @@
 #include "julia/wave_versor.h"
 #include "support/float128.h"
 #include "support/limits.h"
+#include "support/random_grain.h"
 #include "support/random_waves.h"
 
 #include <gtest/gtest.h>
@@ -100,7 +101,8 @@ VersorPointer<Real> randomRootVersor(Random& random) {
 
 template <class Real>
 VersorPointer<Real> randomVersor(Random& random, DropAxis dropped) {
-  const int kind = random.integer(0, 2);
+  const int kind = random.integer(0, 3);
+  if (kind == 3) return law_tests::randomGrainVersor<Real>(random, dropped);
   if (kind == 0) return randomWaveVersor<Real>(random, dropped);
   return kind == 1 ? randomVectorVersor<Real>(random, dropped) : randomRootVersor<Real>(random);
 }
@@ -161,7 +163,7 @@ int expectConesHold(const VersorField<Real>& field, Random& random, const std::s
 TYPED_TEST(VersorKinds, theirConesHoldTheirVersors) {
   using Real = TypeParam;
   Random random(71);
-  std::array<int, 4> known{};
+  std::array<int, 5> known{};
   constexpr int kRounds = 60;
   for (int round = 0; round < kRounds; ++round) {
     const DropAxis dropped = kDropped[round % 3];
@@ -176,6 +178,7 @@ TYPED_TEST(VersorKinds, theirConesHoldTheirVersors) {
     known[2] += expectConesHold(moved, random, "moved" + name);
     const julia::SymmetricVersor<Real> symmetric(randomVersor<Real>(random, dropped), randomSymmetry(random), dropped);
     known[3] += expectConesHold(symmetric, random, "symmetric" + name);
+    known[4] += expectConesHold(*law_tests::randomGrainVersor<Real>(random, dropped), random, "grain" + name);
   }
   for (const int each : known) EXPECT_GT(each, kRounds * 60 / 4);
 }

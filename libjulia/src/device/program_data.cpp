@@ -2,6 +2,7 @@
 #include "device/program_data.h"
 
 #include "julia/cross_map.h"
+#include "julia/grain_versor.h"
 #include "julia/mandelbulb.h"
 #include "julia/mixed_versor.h"
 #include "julia/moved_versor.h"
@@ -120,6 +121,7 @@ class Builder {
   bool addTexture(const std::any& described) {
     if (const auto* rational = std::any_cast<Rational>(&described)) return addRoots(*rational);
     if (const auto* waves = std::any_cast<WaveVersorDescription>(&described)) return addWaves(*waves);
+    if (const auto* grain = std::any_cast<GrainVersorDescription>(&described)) return addGrain(*grain);
     if (const auto* fields = std::any_cast<VectorVersorDescription>(&described)) return addFields(*fields);
     if (const auto* moved = std::any_cast<MovedVersorDescription>(&described)) return addMoved(*moved);
     if (const auto* symmetric = std::any_cast<SymmetricVersorDescription>(&described)) return addSymmetric(*symmetric);
@@ -149,6 +151,22 @@ class Builder {
     addLattice(*waves.octave);
     addNode("WAVES_VERSOR", tables.factors.size(), {}, 1);
     mNumbers.insert(mNumbers.end(), tables.origin, tables.origin + 4);
+    addWaveTables(tables);
+    return true;
+  }
+
+  bool addGrain(const GrainVersorDescription& grain) {
+    if (grain.dropped != mField.embedding.dropped) return refuse("its grain is read along other axes");
+    for (const auto& field : grain.fields)
+      if (!field) return refuse("the fields of its grain are not of bricks");
+    for (const auto& field : grain.fields) addLattice(*field);
+    const WaveTables<Real> tables(grain.texture);
+    addNode("GRAIN_VERSOR", tables.factors.size(), {}, grain.fields.size());
+    addWaveTables(tables);
+    return true;
+  }
+
+  void addWaveTables(const WaveTables<Real>& tables) {
     for (const kernels::WaveTerm<Real>& wave : tables.waves)
       for (const Real(*part)[4] : {&wave.frequency, &wave.cosine, &wave.sine})
         mNumbers.insert(mNumbers.end(), *part, *part + 4);
@@ -158,7 +176,6 @@ class Builder {
       mIntegers.push_back(static_cast<std::int32_t>(factor.power));
       mIntegers.push_back(factor.conjugated < 0 ? -1 : 1);
     }
-    return true;
   }
 
   bool addFields(const VectorVersorDescription& fields) {

@@ -61,6 +61,7 @@ enum LatticeRecord {
 /// |-----------|-------------------------------------|-----------------------------------------|------------|
 /// | roots     | each root with its power            | method, power, whether to renormalise   | roots      |
 /// | waves     | origin; frequency, cosine, sine     | of each factor first, end, power, sign  | factors    |
+/// | grain     | frequency, cosine, sine             | as waves                                | factors    |
 /// | fields    |                                     |                                         | components |
 /// | moved     | by what, scale                      |                                         |            |
 /// | symmetric | centre; cosine and sine of each turn| axis, mirrored axes, kaleidoscope       | turns      |

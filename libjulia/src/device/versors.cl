@@ -208,6 +208,36 @@ void versorOfWaves(Data data, int number, const Real* q, Real* u) {
   makeUnit(u[0], u[1], u[2], u[3], &u[0], &u[1], &u[2], &u[3]);
 }
 
+void versorOfGrain(Data data, int number, const Real* q, Real* u) {
+  __global const int* node = nodeOf(data, number);
+  __global const Real* waves = data.numbers + node[NODE_NUMBERS];
+  Real read[5];
+  for (int k = 0; k < 5; ++k) read[k] = readField(data, node[NODE_LATTICE] + k, q);
+  Real alongCertain, acrossCertain;
+  const Real along = certainPhase(read[0], read[1], &alongCertain);
+  const Real across = certainPhase(read[2], read[3], &acrossCertain);
+  const Real depth = read[4] * 4, certain = alongCertain * acrossCertain;
+  for (int c = 0; c < 4; ++c) u[c] = c == 0 ? 1 : 0;
+  for (int f = 0; f < node[NODE_COUNT]; ++f) {
+    __global const int* factor = data.integers + node[NODE_INTEGERS] + 4 * f;
+    const Real conjugated = (Real)factor[3];
+    Real sum[4] = {0, 0, 0, 0};
+    for (int w = factor[0]; w < factor[1]; ++w) {
+      __global const Real* wave = waves + 12 * w;
+      Real sine, cosine;
+      sineCosine(grainPhase(wave[0], wave[1], wave[2], along, across, depth), &sine, &cosine);
+      for (int c = 0; c < 4; ++c) sum[c] += wave[4 + c] * cosine + wave[8 + c] * sine;
+    }
+    makeUnit(sum[0], sum[1], sum[2], sum[3], &sum[0], &sum[1], &sum[2], &sum[3]);
+    for (int times = 0; times < factor[2]; ++times)
+      multiplyQuaternion(sum[0], conjugated * sum[1], conjugated * sum[2], conjugated * sum[3], &u[0], &u[1], &u[2],
+                         &u[3]);
+  }
+  u[0] = fadedPart(u[0], JULIA_REAL(1), certain);
+  for (int c = 1; c < 4; ++c) u[c] = fadedPart(u[c], JULIA_REAL(0), certain);
+  makeUnit(u[0], u[1], u[2], u[3], &u[0], &u[1], &u[2], &u[3]);
+}
+
 /// The component of q that is a coordinate of space.
 int componentOf(int axis) { return axis == 0 ? X : axis == 1 ? Y : Z; }
 
@@ -274,6 +304,11 @@ void turnTo(Data data, int number, int sector, const Real* q, Real* to) {
 #define WAVES_VERSOR(name, node)                 \
   bool name(Data data, const Real* q, Real* u) { \
     versorOfWaves(data, node, q, u);             \
+    return true;                                 \
+  }
+#define GRAIN_VERSOR(name, node)                 \
+  bool name(Data data, const Real* q, Real* u) { \
+    versorOfGrain(data, node, q, u);             \
     return true;                                 \
   }
 #define FIELDS_VERSOR(name, node)                \

@@ -286,34 +286,102 @@ std::vector<Complex> gradients(const SurfaceGraph& graph, std::span<const double
   return result;
 }
 
+namespace {
+
+/// Sets of points that are joined one after the other, and for each point a sign relative to the first of its set.
+class SignedSets {
+ public:
+  explicit SignedSets(std::size_t size) : mParents(size), mSigns(size, 1) {
+    for (std::size_t i = 0; i < size; ++i) mParents[i] = static_cast<std::uint32_t>(i);
+  }
+  /// The first point of a point's set, and the point's sign.
+  std::pair<std::uint32_t, int> find(std::uint32_t i) {
+    int sign = 1;
+    std::uint32_t root = i;
+    for (; mParents[root] != root; root = mParents[root]) sign *= mSigns[root];
+    for (int rest = sign; mParents[i] != root && i != root;) {
+      const std::uint32_t next = mParents[i];
+      const int own = mSigns[i];
+      mParents[i] = root;
+      mSigns[i] = rest;
+      rest *= own;
+      i = next;
+    }
+    return {root, sign};
+  }
+  /// Joins the sets of two points that have the same sign, or opposite signs.
+  void join(std::uint32_t a, std::uint32_t b, int sign) {
+    const auto [first, firstSign] = find(a);
+    const auto [second, secondSign] = find(b);
+    if (first == second) return;
+    mParents[std::max(first, second)] = std::min(first, second);
+    mSigns[std::max(first, second)] = firstSign * secondSign * sign;
+  }
+
+ private:
+  std::vector<std::uint32_t> mParents;
+  std::vector<int> mSigns;
+};
+
+/// Gives lines a sign each, so that neighbours agree, those first whose lines agree best.
+void orient(const SurfaceGraph& graph, std::vector<Complex>& lines) {
+  std::vector<std::pair<double, std::uint32_t>> order;
+  std::vector<int> signs;
+  for (std::size_t e = 0; e < graph.edges().size(); ++e) {
+    const auto [from, to] = graph.edges()[e];
+    const double agreement = (lines[to] * std::conj(graph.transport(e) * lines[from])).real();
+    order.emplace_back(-std::abs(agreement), static_cast<std::uint32_t>(e));
+    signs.push_back(agreement < 0 ? -1 : 1);
+  }
+  std::sort(order.begin(), order.end());
+  SignedSets sets(graph.size());
+  for (const auto& [agreement, e] : order) sets.join(graph.edges()[e].from, graph.edges()[e].to, signs[e]);
+  for (std::uint32_t i = 0; i < graph.size(); ++i)
+    if (sets.find(i).second < 0) lines[i] = -lines[i];
+}
+
+}  // namespace
+
 std::vector<Complex> smoothDirections(const SurfaceGraph& graph, std::span<const DirectionWish> wishes,
                                       const std::function<bool()>& cancelled) {
   // What remains where nothing is wanted; it makes the system positive definite.
   constexpr double kRest = 1e-4;
-  std::vector<double> diagonal(graph.size());
-  for (std::size_t i = 0; i < graph.size(); ++i) diagonal[i] = kRest + wishes[i].weight;
-  std::vector<Complex> factors;
-  factors.reserve(graph.edges().size());
-  for (std::size_t e = 0; e < graph.edges().size(); ++e) factors.push_back(graph.transport(e));
-  const HermitianSystem system(graph, factors, diagonal);
-
-  // Wishes without a sign get one from the field, which begins with a direction of space, made smooth.
   constexpr Point kAnyDirection{0.36, 0.8, 0.48};
-  std::vector<Complex> field(graph.size()), right(graph.size());
-  double signedWeight = 0;
+  std::vector<double> diagonal(graph.size());
+  double signedWeight = 0, otherWeight = 0;
   for (std::size_t i = 0; i < graph.size(); ++i) {
-    field[i] = unitOr(graph.tangent(i, kAnyDirection), 0);
-    if (wishes[i].signs) signedWeight += wishes[i].weight * std::norm(wishes[i].towards);
+    diagonal[i] = kRest + wishes[i].weight;
+    (wishes[i].signs ? signedWeight : otherWeight) += wishes[i].weight;
   }
-  constexpr int kFirst = 4, kRounds = 16;
-  for (int round = 0; round < kFirst + kRounds && !stops(cancelled); ++round) {
+  std::vector<Complex> factors(graph.edges().size()), field(graph.size()), right(graph.size());
+  for (std::size_t i = 0; i < graph.size(); ++i) field[i] = unitOr(graph.tangent(i, kAnyDirection), 0);
+  if (otherWeight > 0) {
+    // First a field of lines, whose squares have no sign.
+    for (std::size_t e = 0; e < factors.size(); ++e) factors[e] = graph.transport(e) * graph.transport(e);
+    for (std::size_t i = 0; i < graph.size(); ++i)
+      right[i] = wishes[i].weight * wishes[i].towards * wishes[i].towards + kRest * field[i] * field[i];
+    const std::vector<Complex> squares = HermitianSystem(graph, factors, diagonal).solve(right);
+    for (std::size_t i = 0; i < graph.size(); ++i) {
+      const Complex square = unitOr(squares[i], 1);
+      field[i] = unitAt(elementary::atan2(square.imag(), square.real()) / 2);
+    }
+    orient(graph, field);
+    double agreement = 0;
+    for (std::size_t i = 0; i < graph.size(); ++i)
+      if (wishes[i].signs) agreement += wishes[i].weight * (wishes[i].towards * std::conj(field[i])).real();
+    if (agreement < 0)
+      for (Complex& z : field) z = -z;
+  }
+  if (stops(cancelled)) return field;
+  for (std::size_t e = 0; e < factors.size(); ++e) factors[e] = graph.transport(e);
+  const HermitianSystem system(graph, factors, diagonal);
+  constexpr int kRounds = 12;
+  for (int round = 0; round < kRounds && !stops(cancelled); ++round) {
     for (std::size_t i = 0; i < graph.size(); ++i) {
       const DirectionWish& wish = wishes[i];
-      Complex towards = wish.towards;
-      if (!wish.signs && (towards * std::conj(field[i])).real() < 0) towards = -towards;
-      // At first, only what has a sign counts, if there is any.
-      const bool counts = wish.signs || round >= kFirst || !(signedWeight > 0);
-      right[i] = (counts ? wish.weight : 0) * towards + kRest * unitOr(field[i], 0);
+      // A wish without a sign takes that of the field.
+      const bool turns = !wish.signs && (wish.towards * std::conj(field[i])).real() < 0;
+      right[i] = wish.weight * (turns ? -wish.towards : wish.towards) + kRest * unitOr(field[i], 0);
     }
     field = system.solve(right);
   }
