@@ -173,10 +173,12 @@ TEST(Grain, PhasesHaveNoSeam) {
     for (const auto& [cosine, sine] :
          {std::pair(grids.alongCosine, grids.alongSine), std::pair(grids.acrossCosine, grids.acrossSine)}) {
       const FloatGrid::ConstAccessor c = cosine->getConstAccessor(), s = sine->getConstAccessor();
+      const FloatGrid::ConstAccessor tau = shape.thickness.tau->getConstAccessor();
       int jumps = 0, cells = 0, certain = 0;
       for (auto node = cosine->cbeginValueOn(); node; ++node) {
         const openvdb::Coord at = node.getCoord();
-        if (std::abs(distance(cosine->indexToWorld(at))) > 0.3 * kTubeRadius) continue;
+        // A shell of the usual depth.
+        if (std::abs(distance(cosine->indexToWorld(at))) > 0.25 * static_cast<double>(tau.getValue(at))) continue;
         const Complex here(static_cast<double>(*node), static_cast<double>(s.getValue(at)));
         EXPECT_LE(std::abs(here), 1 + 1e-6);
         ++cells;

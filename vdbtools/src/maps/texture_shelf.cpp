@@ -57,10 +57,12 @@ std::vector<Texture> allTextures() {
        .waves = {field(4, 5, {0.6, 0.6, 0.6}, 0.6, 4)}},
       {.name = "rings",
        .description = "Broad smooth rings about X, as in [SK23] Fig. 9.",
-       .strands = {{.count = 5, .power = 6, .length = 1}}},
+       .strands = {{.count = 5, .power = 6, .length = 1}},
+       .grain = {bands({2, 0, 0}, kI), bands({0, 0, 1}, kJ)}},
       {.name = "shells",
        .description = "Toothed ridges that wind up like those of an ammonite.",
-       .strands = {{.count = 20, .axis = {1, 0, 0}, .towards = Point{0, 0, 1}, .angle = 0.15}}},
+       .strands = {{.count = 20, .axis = {1, 0, 0}, .towards = Point{0, 0, 1}, .angle = 0.15}},
+       .grain = {bands({2, 1, 0}, kI), bands({0, 0, 1}, kJ), bands({0, 6, 0}, kI)}},
   };
 }
 
