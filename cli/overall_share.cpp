@@ -16,16 +16,17 @@ using vdbtools::PhaseKind;
 
 /// Combines the phases that make a target and its exponent with further ones.
 template <std::size_t N>
-constexpr std::array<PhaseWeight, N + 8> scenePhases(const PhaseWeight (&others)[N]) {
-  std::array<PhaseWeight, N + 8> phases = {{{PhaseKind::Reading, 2},
+constexpr std::array<PhaseWeight, N + 9> scenePhases(const PhaseWeight (&others)[N]) {
+  std::array<PhaseWeight, N + 9> phases = {{{PhaseKind::Reading, 2},
                                             {PhaseKind::Thickening, 8},
                                             {PhaseKind::ClosingGaps, 20},
                                             {PhaseKind::Sides, 5},
                                             {PhaseKind::DistanceField, 12},
                                             {PhaseKind::LocalThickness, 3},
                                             {PhaseKind::WideningTheBand, 5},
-                                            {PhaseKind::Exponent, 5}}};
-  std::copy(others, others + N, phases.begin() + 8);
+                                            {PhaseKind::Exponent, 5},
+                                            {PhaseKind::Grain, 5}}};
+  std::copy(others, others + N, phases.begin() + 9);
   return phases;
 }
 

@@ -8,6 +8,7 @@
 #include "scene_recipe.h"
 #include "slice_plane.h"
 #include "study_dimension.h"
+#include "study_grain.h"
 #include "target_text.h"
 
 #include "vdbtools/base/text.h"
@@ -42,10 +43,12 @@ constexpr Usage kStudyUsage = {
 }  // namespace
 
 int runStudy(const Arguments& arguments) {
-  const bool dimension = std::any_of(arguments.begin(), arguments.end(), [](const std::string& word) {
-    return word == "--dimension" || word.starts_with("--dimension=");
-  });
-  if (dimension) return studyDimension(arguments);
+  const auto asks = [&](const std::string& option) {
+    return std::any_of(arguments.begin(), arguments.end(),
+                       [&](const std::string& word) { return word == option || word.starts_with(option + '='); });
+  };
+  if (asks("--dimension")) return studyDimension(arguments);
+  if (asks("--strokes")) return studyGrain(arguments);
   CommandLine line(kStudyUsage, vdbtools::studyOptionTable());
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.png"), "the average to write: .png or .exr")(
       "curve", po::value<std::string>()->value_name("F.png"), "the distance over circles to write: .png, .svg or .exr")(
@@ -53,7 +56,9 @@ int runStudy(const Arguments& arguments) {
       "versors", po::value<std::string>()->default_value("1000")->value_name("N"), "the number of random versors")(
       "dimension", po::value<std::string>()->value_name("N,N,N"),
       "instead, measure how the mesh of a fractal grows with its resolution, and the fractal dimension of its surface; "
-      "see 'juliavdb study --dimension N --help'");
+      "see 'juliavdb study --dimension N --help'")(
+      "strokes", po::value<std::string>()->value_name("F.ply"),
+      "instead, draw the directions that a texture follows; see 'juliavdb study --strokes F.ply --help'");
   addPlaneOptions(line, "through the dynamics' origin");
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;

@@ -160,7 +160,32 @@ GrainGrids gridsOf(const Grained& shape, const std::vector<Complex>& field) {
   Monitor monitor;
   std::vector<double> wavelength;
   for (const double tau : shape.surface.thickness) wavelength.push_back(2 * tau);
-  return grainGrids(shape.surface, field, wavelength, 0.4, shape.thickness, monitor);
+  const GrainPhases phases = grainPhases(shape.surface, field, wavelength, monitor);
+  return grainGrids(shape.surface, phases, wavelength, 0.4, shape.thickness, monitor);
+}
+
+/// The share of the points at which the waves are as long as is wanted, within a factor of 1.5.
+double shareOfLengths(const std::vector<julia::SurfacePhase>& phases, const std::vector<double>& wavelength) {
+  int near = 0;
+  for (std::size_t i = 0; i < phases.size(); ++i) {
+    const double length = 6.283185307179586 / Vec3d(phases[i].gradient.data()).length() / wavelength[i];
+    near += length > 1 / 1.5 && length < 1.5;
+  }
+  return near / static_cast<double>(phases.size());
+}
+
+TEST(Grain, WavesAreAsLongAsTheThicknessAsks) {
+  for (const test_fields::Distance& distance :
+       {test_fields::Distance(torusDistance), test_fields::Distance(taperedDistance)}) {
+    const Grained shape = grained(distance);
+    std::vector<double> wavelength;
+    for (const double tau : shape.surface.thickness) wavelength.push_back(2 * tau);
+    Monitor monitor;
+    const GrainPhases phases =
+        grainPhases(shape.surface, directionsOf(shape, {.kind = GrainKind::Along}), wavelength, monitor);
+    EXPECT_GT(shareOfLengths(phases.along, wavelength), 0.9);
+    EXPECT_GT(shareOfLengths(phases.across, wavelength), 0.9);
+  }
 }
 
 /// Within one cell of the lattice no phase jumps, except where it counts for little; and nearly everywhere about the

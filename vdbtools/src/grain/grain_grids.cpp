@@ -61,12 +61,9 @@ GrainScale grainScale(const FloatGrid& depth) {
   return {octave->value(), wavelength->value()};
 }
 
-GrainGrids grainGrids(const GrainSurface& surface, std::span<const Complex> directions,
-                      std::span<const double> wavelength, double reach, const LocalThickness& thickness,
-                      Monitor& monitor) {
+GrainPhases grainPhases(const GrainSurface& surface, std::span<const Complex> directions,
+                        std::span<const double> wavelength, Monitor& monitor) {
   constexpr double kTurn = 6.28318530717958647693;
-  constexpr double kSupport = 2;  // spacings around a point in which it counts
-  constexpr double kBeyond = 2;   // voxels
   const julia::SurfaceGraph& graph = surface.graph;
   std::vector<Complex> along(graph.size()), across(graph.size());
   for (std::size_t i = 0; i < graph.size(); ++i) {
@@ -74,11 +71,19 @@ GrainGrids grainGrids(const GrainSurface& surface, std::span<const Complex> dire
     across[i] = along[i] * Complex(0, 1);
   }
   const auto cancelled = [&] { return monitor.cancelled(); };
-  const std::vector<SurfacePhase> alongPhases = julia::stripePhases(graph, along, cancelled);
+  GrainPhases phases;
+  phases.along = julia::stripePhases(graph, along, cancelled);
   monitor.throwIfCancelled();
-  const std::vector<SurfacePhase> acrossPhases = julia::stripePhases(graph, across, cancelled);
+  phases.across = julia::stripePhases(graph, across, cancelled);
   monitor.throwIfCancelled();
+  return phases;
+}
 
+GrainGrids grainGrids(const GrainSurface& surface, const GrainPhases& phases, std::span<const double> wavelength,
+                      double reach, const LocalThickness& thickness, Monitor& monitor) {
+  constexpr double kSupport = 2;  // spacings around a point in which it counts
+  constexpr double kBeyond = 2;   // voxels
+  const julia::SurfaceGraph& graph = surface.graph;
   const FloatGrid& tau = *thickness.tau;
   const double voxel = tau.voxelSize()[0];
   const CoordBBox nodes = tau.evalActiveVoxelBoundingBox();
@@ -116,8 +121,8 @@ GrainGrids grainGrids(const GrainSurface& surface, std::span<const Complex> dire
             const double aside = way.lengthSqr() - upSquared;
             if (upSquared >= heightSquared || aside >= radiusSquared) continue;
             if (!begun) {
-              u = PhaseSteps(advanced(alongPhases[i], way * voxel), alongPhases[i].gradient[2] * voxel);
-              v = PhaseSteps(advanced(acrossPhases[i], way * voxel), acrossPhases[i].gradient[2] * voxel);
+              u = PhaseSteps(advanced(phases.along[i], way * voxel), phases.along[i].gradient[2] * voxel);
+              v = PhaseSteps(advanced(phases.across[i], way * voxel), phases.across[i].gradient[2] * voxel);
               begun = true;
             } else {
               u.advance();

@@ -116,6 +116,8 @@ std::optional<GrainSettings> parseGrain(const RecipeReader& reader) {
     }
   }
   grain.turn = parseControl(reader, "grain-turn");
+  grain.scale = std::abs(reader.number("texture-scale"));
+  if (!(grain.scale > 0)) reader.refuse("texture-scale", "other than 0");
   return grain;
 }
 

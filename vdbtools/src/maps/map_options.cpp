@@ -83,6 +83,14 @@ std::string idleRandomOnly(const OptionRun& run) {
   return why.empty() ? "" : why + "; leave it out, or give --texture random";
 }
 
+/// Of --texture-translate.
+std::string idleTranslate(const OptionRun& run) {
+  if (!hasGrain(run.recipe) || !followsGrain(run.text("texture"))) return {};
+  const auto over = run.recipe.find("texture-over");
+  if (over != run.recipe.end() && over->second != "none" && !followsGrain(over->second)) return {};
+  return "a texture that follows a grain lies where the target does; leave it out, or leave --grain out";
+}
+
 std::string idleSeed(const OptionRun& run) {
   const Texture* texture = findTexture(run.text("texture"));
   if (!texture || notRandom(run).empty()) return idleRandomOnly(run);
@@ -347,7 +355,8 @@ std::vector<OptionSpec> rootsOptions() {
   options.push_back(kept({.name = "texture-translate",
                           .argument = "X,Y,Z",
                           .defaultValue = "0,0,0",
-                          .help = "move the texture alone, or the roots of a rational map, in fractal space"}));
+                          .help = "move the texture alone, or the roots of a rational map, in fractal space",
+                          .idle = idleTranslate}));
   return options;
 }
 

@@ -1,7 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/file_hashes.h"
 
+#include "vdbtools/base/errors.h"
+
 namespace vdbtools {
+
+Metadata hashesOf(const FractalOptions& options) {
+  Metadata metadata;
+  for (const auto& [name, hash] : verifiedHashes(filesOf(options))) metadata[metadataName(name)] = hash;
+  if (options.target && options.target->mesh) {
+    const NamedFile& input = options.target->input;
+    const std::string hash = sha256OfMesh(*options.target->mesh);
+    if (!input.expectedHash.empty() && input.expectedHash != hash)
+      throw DataError("the mesh is not the one that the recipe was made with: its SHA-256 is " + hash + " and was " +
+                      input.expectedHash);
+    metadata[metadataName(input.recordedAs)] = hash;
+  }
+  return metadata;
+}
 
 const Metadata& FileHashes::of(const FractalOptions& options) {
   const std::vector<NamedFile> files = filesOf(options);

@@ -10,6 +10,10 @@
 
 namespace vdbtools {
 
+/// The hashes of the files of a fractal, and of its target in memory, by their names in metadata.
+/// @throw DataError  a mesh in memory is not the one that the recipe was made with, and as verifiedHashes()
+Metadata hashesOf(const FractalOptions& options);
+
 class FileHashes {
  public:
   /// The hashes, by the recipe's names for them. @throw as verifiedHashes()

@@ -4,6 +4,7 @@
 #include "control/control_lattice.h"
 #include "distance/united_parts.h"
 #include "repair/solid_input.h"
+#include "scene/file_hashes.h"
 #include "scene/placed_target.h"
 #include "scene/target_parts.h"
 #include "vdbtools/base/errors.h"
@@ -26,20 +27,6 @@ namespace {
 using openvdb::BBoxd;
 using openvdb::FloatGrid;
 using openvdb::Vec3d;
-
-Metadata hashesOf(const FractalOptions& options) {
-  Metadata metadata;
-  for (const auto& [name, hash] : verifiedHashes(filesOf(options))) metadata[metadataName(name)] = hash;
-  if (options.target && options.target->mesh) {
-    const NamedFile& input = options.target->input;
-    const std::string hash = sha256OfMesh(*options.target->mesh);
-    if (!input.expectedHash.empty() && input.expectedHash != hash)
-      throw DataError("the mesh is not the one that the recipe was made with: its SHA-256 is " + hash + " and was " +
-                      input.expectedHash);
-    metadata[metadataName(input.recordedAs)] = hash;
-  }
-  return metadata;
-}
 
 /// The position of the origin as a value of --origin.
 std::string originText(const SpaceOptions& options, const FractalSpace& space, const BBoxd& box) {

@@ -115,8 +115,8 @@ double reachOf(const PlacedTarget& target) {
 
 }  // namespace
 
-GrainGrids grainOf(const GrainSettings& settings, const ControlSetting& frequency, SharedTarget& shared,
-                   const PlacedTarget& target, Monitor& monitor) {
+GrainDirections grainDirectionsOf(const GrainSettings& settings, const ControlSetting& frequency, SharedTarget& shared,
+                                  const PlacedTarget& target, Monitor& monitor) {
   const bool needsTarget = settings.turn->needsTarget() || frequency->needsTarget();
   const ControlContext context = controlContext(needsTarget, shared, target.placed, monitor);
   GrainOptions options{.kind = settings.kind, .towards = settings.towards};
@@ -129,16 +129,16 @@ GrainGrids grainOf(const GrainSettings& settings, const ControlSetting& frequenc
   options.turn = settings.turn->bind(context);
   const Control perThickness = frequency->bind(context);
 
-  const LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(target.shell));
-  const GrainSurface surface = grainSurface(*shared.survey(monitor).phi(), thickness, monitor);
-  const std::vector<std::complex<double>> directions = grainDirections(surface, options, monitor);
+  LocalThickness thickness = shared.survey(monitor).thickness(monitor, slopeOf(target.shell));
+  monitor.begin(PhaseKind::Grain, 0);
+  GrainSurface surface = grainSurface(*shared.survey(monitor).phi(), thickness, monitor);
+  std::vector<std::complex<double>> directions = grainDirections(surface, options, monitor);
 
-  // The lattice has waves as long as those of the frequency 1/2, or 2^octave times as long.
-  const auto [low, high] = perThickness.range();
-  GrainScale scale;
+  // Without an octave, a frequency of 2 makes the lattice's waves as long as the local thickness, 2 tau.
   constexpr double kUsual = 2;
-  if (perThickness.constant())
-    while (high / std::ldexp(1., scale.octave) > kUsual) ++scale.octave;
+  GrainScale scale;
+  if (const std::optional<double> constant = perThickness.constant())
+    while (*constant / (settings.scale * std::ldexp(1., scale.octave)) > kUsual) ++scale.octave;
   std::vector<Vec3d> points(surface.graph.size());
   for (std::size_t i = 0; i < points.size(); ++i) points[i] = Vec3d(surface.graph.position(i).data());
   std::vector<double> frequencies(points.size()), wavelength(points.size());
@@ -147,14 +147,22 @@ GrainGrids grainOf(const GrainSettings& settings, const ControlSetting& frequenc
   constexpr double kVoxels = 3.2, kSpacings = 4;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!(frequencies[i] > 0 && std::isfinite(frequencies[i])))
-      throw DataError("the frequency is " + shortText(frequencies[i]) +
-                      " at a place of the target; it must be above 0 everywhere");
-    const double wanted = 4 * surface.thickness[i] * std::ldexp(1., scale.octave) / frequencies[i];
+      throw std::invalid_argument("--frequency is " + shortText(frequencies[i]) +
+                                  " at a place of the target; it must be above 0 everywhere");
+    const double thick = 2 * surface.thickness[i];
+    const double wanted = thick * kUsual * settings.scale * std::ldexp(1., scale.octave) / frequencies[i];
     wavelength[i] = std::max({wanted, kVoxels * surface.voxel, kSpacings * surface.graph.spacing(i)});
     scale.wavelength = std::max(scale.wavelength, wavelength[i]);
   }
-  GrainGrids grids = grainGrids(surface, directions, wavelength, reachOf(target), thickness, monitor);
-  setGrainScale(*grids.depth, scale);
+  return {std::move(surface), std::move(thickness), std::move(directions), std::move(wavelength), scale};
+}
+
+GrainGrids grainOf(const GrainSettings& settings, const ControlSetting& frequency, SharedTarget& shared,
+                   const PlacedTarget& target, Monitor& monitor) {
+  const GrainDirections grain = grainDirectionsOf(settings, frequency, shared, target, monitor);
+  const GrainPhases phases = grainPhases(grain.surface, grain.directions, grain.wavelength, monitor);
+  GrainGrids grids = grainGrids(grain.surface, phases, grain.wavelength, reachOf(target), grain.thickness, monitor);
+  setGrainScale(*grids.depth, grain.scale);
   return grids;
 }
 

@@ -21,6 +21,7 @@ enum class PhaseKind {
   Sides,
   DistanceField,
   LocalThickness,
+  Grain,
   WideningTheBand,
   Exponent,
   Proofs,

@@ -62,6 +62,15 @@ GrainSurface grainSurface(const openvdb::FloatGrid& phi, const LocalThickness& t
 std::vector<std::complex<double>> grainDirections(const GrainSurface& surface, const GrainOptions& options,
                                                   Monitor& monitor);
 
+/// The phases of the waves along the grain and across it, at each point of the surface.
+struct GrainPhases {
+  std::vector<julia::SurfacePhase> along, across;
+};
+/// @param wavelength  of the waves at each point of the surface, world units, > 0
+/// @throw Interrupted
+GrainPhases grainPhases(const GrainSurface& surface, std::span<const std::complex<double>> directions,
+                        std::span<const double> wavelength, Monitor& monitor);
+
 /// Grids on the lattice of the thickness, in world space: cosine and sine of the phase along the grain, those of the
 /// phase across it, and the distance from the surface in wavelengths. The squares of a cosine and a sine add up to 1,
 /// and to less where the phase is not certain. Voxels that are too far from the surface are inactive and 0.
@@ -78,11 +87,10 @@ void setGrainScale(openvdb::FloatGrid& depth, const GrainScale& scale);
 /// @throw std::invalid_argument  the grid has no such metadata
 GrainScale grainScale(const openvdb::FloatGrid& depth);
 
-/// @param wavelength  of the waves at each point of the surface, world units, > 0
+/// @param wavelength  as for the phases
 /// @param reach  how far from the surface the grids reach, as a multiple of the local thickness
 /// @throw Interrupted
-GrainGrids grainGrids(const GrainSurface& surface, std::span<const std::complex<double>> directions,
-                      std::span<const double> wavelength, double reach, const LocalThickness& thickness,
-                      Monitor& monitor);
+GrainGrids grainGrids(const GrainSurface& surface, const GrainPhases& phases, std::span<const double> wavelength,
+                      double reach, const LocalThickness& thickness, Monitor& monitor);
 
 }  // namespace vdbtools

@@ -24,6 +24,7 @@ struct GrainSettings {
   std::string attribute{};           ///< vectors at the points of the target's mesh
   std::optional<NamedFile> file{};   ///< a VDB with vectors
   std::vector<std::string> grids{};  ///< of the file; empty: its only grid of vectors
+  double scale = 1;                  ///< by which waves are longer, > 0: the magnitude of --texture-scale
   ControlSetting turn{};             ///< degrees
 };
 

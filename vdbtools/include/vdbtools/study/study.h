@@ -10,6 +10,8 @@
 
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh/mesh_sink.h"
 #include "vdbtools/picture/image.h"
 #include "vdbtools/picture/plot.h"
 #include "vdbtools/picture/slice_image.h"
@@ -54,6 +56,26 @@ struct Study {
   std::optional<std::pair<double, double>> undecided;
   bool originInside = false;  ///< whether phi < 0 at the dynamics' origin
 };
+
+/// The directions of a grain as a mesh to look at.
+struct GrainStrokes {
+  /// The target's mesh, if it is one; a small triangle for each point, whose tip shows the direction; and red octahedra
+  /// where there is none.
+  Mesh mesh;
+  std::vector<VertexColumn> columns;  ///< colours by the local thickness, and the direction as the vector "grain"
+  std::vector<float> values;          ///< of the columns, row by row
+  std::size_t points = 0;
+  std::size_t singular = 0;             ///< places about which the direction turns as a whole
+  /// The share of the points where the waves along the grain are as long as is wanted, within a factor of 1.5; and
+  /// across it.
+  std::pair<double, double> inStep;
+  std::pair<double, double> thickness;  ///< the least and the greatest over the points, world units
+};
+
+/// Draws the grain of a fractal on its target.
+/// @throw std::invalid_argument  the options have no grain
+/// @throw DataError, Interrupted
+GrainStrokes grainStrokes(const FractalOptions& options, Monitor& monitor);
 
 /// Counts over the versors of the seeds S, S + 1 and so on, where S is the seed in the options of the scene: the k-th
 /// set is what makeScene() evaluates with the seed S + k. The circles reach from the origin to the farthest pixel of
