@@ -25,7 +25,8 @@ Point pointOf(const Vec3d& v) { return {v[0], v[1], v[2]}; }
 
 /// A place on the surface, in index space.
 struct SurfacePlace {
-  Vec3d at, normal;
+  Coord cell;
+  Vec3d at{}, normal{};
   double thickness = 0;  ///< voxels
 };
 
@@ -89,7 +90,7 @@ std::vector<SurfacePlace> surfacePlaces(const FloatGrid& phi, const LocalThickne
         const Coord cell = node.getCoord();
         // Farther than a cell's diagonal from the surface, nothing crosses it.
         if (!(std::abs(static_cast<double>(*node)) < 2 * voxel)) continue;
-        SurfacePlace place;
+        SurfacePlace place{.cell = cell};
         if (const std::optional<Vec3d> crossing = crossingIn(values, cell)) {
           place.at = *crossing;
           place.normal = slopeAt(place.at);
@@ -111,6 +112,8 @@ std::vector<SurfacePlace> surfacePlaces(const FloatGrid& phi, const LocalThickne
   });
   std::vector<SurfacePlace> places;
   for (const std::vector<SurfacePlace>& some : found) places.insert(places.end(), some.begin(), some.end());
+  // The order must not depend on where the leaves of the tree begin, so that a target that lies elsewhere has the same.
+  std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
   return places;
 }
 
