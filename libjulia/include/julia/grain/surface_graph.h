@@ -8,8 +8,8 @@
 ///
 ///   sum over edges of  w_ij |z_j - r_ij z_i|^2
 ///
-/// is small, which is the connection Laplacian of [Knöppel et al. 2013]. Stripes across a wave vector k are the phases
-/// psi_i for which the same sum is small with r_ij = exp(i k.(x_j - x_i)) [Knöppel et al. 2015]. Both lead to one
+/// is small, which is the connection Laplacian of [KCPS13]. Stripes across a wave vector k are the phases
+/// psi_i for which the same sum is small with r_ij = exp(i k.(x_j - x_i)) [KCPS15]. Both lead to one
 /// sparse Hermitian system, which is factorised in a fixed order.
 #pragma once
 
