@@ -323,8 +323,9 @@ class SignedSets {
   std::vector<int> mSigns;
 };
 
-/// Gives lines a sign each, so that neighbours agree, those first whose lines agree best.
-void orient(const SurfaceGraph& graph, std::vector<Complex>& lines) {
+/// Gives lines a sign each, so that neighbours agree, those first whose lines agree best. What is joined as a whole
+/// gets the sign of the wishes that have one, or points down.
+void orient(const SurfaceGraph& graph, std::span<const DirectionWish> wishes, std::vector<Complex>& lines) {
   std::vector<std::pair<double, std::uint32_t>> order;
   std::vector<int> signs;
   for (std::size_t e = 0; e < graph.edges().size(); ++e) {
@@ -336,8 +337,19 @@ void orient(const SurfaceGraph& graph, std::vector<Complex>& lines) {
   std::sort(order.begin(), order.end());
   SignedSets sets(graph.size());
   for (const auto& [agreement, e] : order) sets.join(graph.edges()[e].from, graph.edges()[e].to, signs[e]);
+  constexpr Point kDown{0, -1, 0};
+  constexpr double kLess = 0.02;  // than a wish of the same weight
+  std::vector<double> agreements(graph.size());
+  for (std::uint32_t i = 0; i < graph.size(); ++i) {
+    const auto [root, sign] = sets.find(i);
+    if (sign < 0) lines[i] = -lines[i];
+    const auto agreement = [&](const Complex& with) { return (with * std::conj(lines[i])).real(); };
+    const double area = graph.spacing(i) * graph.spacing(i);
+    if (wishes[i].signs) agreements[root] += area * wishes[i].weight * agreement(wishes[i].towards);
+    agreements[root] += area * kLess * wishes[i].weight * agreement(graph.tangent(i, kDown));
+  }
   for (std::uint32_t i = 0; i < graph.size(); ++i)
-    if (sets.find(i).second < 0) lines[i] = -lines[i];
+    if (agreements[sets.find(i).first] < 0) lines[i] = -lines[i];
 }
 
 }  // namespace
@@ -348,14 +360,14 @@ std::vector<Complex> smoothDirections(const SurfaceGraph& graph, std::span<const
   constexpr double kRest = 1e-4;
   constexpr Point kAnyDirection{0.36, 0.8, 0.48};
   std::vector<double> diagonal(graph.size());
-  double signedWeight = 0, otherWeight = 0;
+  double unsignedWeight = 0;
   for (std::size_t i = 0; i < graph.size(); ++i) {
     diagonal[i] = kRest + wishes[i].weight;
-    (wishes[i].signs ? signedWeight : otherWeight) += wishes[i].weight;
+    if (!wishes[i].signs) unsignedWeight += wishes[i].weight;
   }
   std::vector<Complex> factors(graph.edges().size()), field(graph.size()), right(graph.size());
   for (std::size_t i = 0; i < graph.size(); ++i) field[i] = unitOr(graph.tangent(i, kAnyDirection), 0);
-  if (otherWeight > 0) {
+  if (unsignedWeight > 0) {
     // First a field of lines, whose squares have no sign.
     for (std::size_t e = 0; e < factors.size(); ++e) factors[e] = graph.transport(e) * graph.transport(e);
     for (std::size_t i = 0; i < graph.size(); ++i)
@@ -365,16 +377,11 @@ std::vector<Complex> smoothDirections(const SurfaceGraph& graph, std::span<const
       const Complex square = unitOr(squares[i], 1);
       field[i] = unitAt(elementary::atan2(square.imag(), square.real()) / 2);
     }
-    orient(graph, field);
-    double agreement = 0;
-    for (std::size_t i = 0; i < graph.size(); ++i)
-      if (wishes[i].signs) agreement += wishes[i].weight * (wishes[i].towards * std::conj(field[i])).real();
-    if (agreement < 0)
-      for (Complex& z : field) z = -z;
+    orient(graph, wishes, field);
   }
   if (stops(cancelled)) return field;
   for (std::size_t e = 0; e < factors.size(); ++e) factors[e] = graph.transport(e);
-  const HermitianSystem system(graph, factors, diagonal);
+  const HermitianSystem equations(graph, factors, diagonal);
   constexpr int kRounds = 12;
   for (int round = 0; round < kRounds && !stops(cancelled); ++round) {
     for (std::size_t i = 0; i < graph.size(); ++i) {
@@ -383,7 +390,7 @@ std::vector<Complex> smoothDirections(const SurfaceGraph& graph, std::span<const
       const bool turns = !wish.signs && (wish.towards * std::conj(field[i])).real() < 0;
       right[i] = wish.weight * (turns ? -wish.towards : wish.towards) + kRest * unitOr(field[i], 0);
     }
-    field = system.solve(right);
+    field = equations.solve(right);
   }
   for (Complex& z : field) z = unitOr(z, 1);
   return field;
@@ -426,10 +433,10 @@ std::vector<SurfacePhase> stripePhases(const SurfaceGraph& graph, std::span<cons
   }
   // Power iteration, in which each point soon has the same weight: the field of phases alone that changes least.
   constexpr double kRest = 1e-3;
-  const HermitianSystem system(graph, factors, std::vector<double>(graph.size(), kRest));
+  const HermitianSystem equations(graph, factors, std::vector<double>(graph.size(), kRest));
   constexpr int kFirst = 10, kRounds = 10;
   for (int round = 0; round < kFirst + kRounds && !stops(cancelled); ++round) {
-    field = system.solve(field);
+    field = equations.solve(field);
     for (Complex& z : field) z = round < kFirst ? z * kRest : unitOr(z, 1);
   }
   std::vector<PlaneFit> fits(graph.size());

@@ -19,31 +19,65 @@ Complex unitTangent(const Complex& z) {
   return size > 0 && std::isfinite(size) ? z / size : Complex(0);
 }
 
-/// Along limbs: the direction of least bending says along which line, and the slope of the thickness to which end.
+/// The direction in which a surface extends most.
+Vec3d longAxis(const julia::SurfaceGraph& graph) {
+  Vec3d middle(0);
+  double area = 0;
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    const double part = graph.spacing(i) * graph.spacing(i);
+    middle += part * Vec3d(graph.position(i).data());
+    area += part;
+  }
+  middle /= area;
+  openvdb::Mat3d spread = openvdb::Mat3d::zero();
+  for (std::size_t i = 0; i < graph.size(); ++i) {
+    const Vec3d off = Vec3d(graph.position(i).data()) - middle;
+    const double part = graph.spacing(i) * graph.spacing(i) / area;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) spread[row][column] += part * off[row] * off[column];
+  }
+  // Squared again and again, its rows turn to the axis; the largest of them is it.
+  for (int times = 0; times < 12; ++times) {
+    double size = 0;
+    for (int row = 0; row < 3; ++row) size += spread[row][row];
+    if (!(size > 0)) return Vec3d(0, 1, 0);
+    spread *= 1 / size;
+    spread = spread * spread;
+  }
+  Vec3d axis = spread.row(0);
+  for (int row = 1; row < 3; ++row)
+    if (spread.row(row).lengthSqr() > axis.lengthSqr()) axis = spread.row(row);
+  return axis.normalize(0) ? axis : Vec3d(0, 1, 0);
+}
+
+/// A line along the sum of the squares of two tangents, which are lines of these weights.
+DirectionWish meanLine(const Complex& one, double weight, const Complex& other, double otherWeight) {
+  const Complex square = weight * one * one + otherWeight * other * other;
+  const double half = elementary::atan2(square.imag(), square.real()) / 2;
+  return {{elementary::cos(half), elementary::sin(half)}, std::sqrt(std::norm(square)), false};
+}
+
+/// Along limbs: the direction of least bending says along which line, and the slope of the thickness to which end. On
+/// round bodies, where neither says much, the axis of the whole target decides.
 std::vector<DirectionWish> wishesAlong(const GrainSurface& surface) {
-  constexpr int kRounds = 4;        // over which bending is averaged
-  constexpr double kBending = 0.3;  // the weight of a limb's bending
-  constexpr double kSlope = 0.1;    // the weight of a thickness that changes by itself over its own length
+  constexpr int kRounds = 6;        // over which bending is averaged
+  constexpr double kBending = 0.5;  // the weight of a limb's bending
+  constexpr double kAxis = 0.1;     // the weight of the axis where it lies in the surface
+  constexpr double kSigned = 0.3;   // the slope of the thickness from which on it says to which end
   const std::vector<julia::Bending> bending = julia::bendings(surface.graph, kRounds);
   std::vector<double> logs;
   for (const double tau : surface.thickness) logs.push_back(elementary::log(tau));
   const std::vector<Complex> slopes = julia::gradients(surface.graph, logs);
+  const Vec3d axis = longAxis(surface.graph);
   std::vector<DirectionWish> wishes(surface.graph.size());
   for (std::size_t i = 0; i < wishes.size(); ++i) {
     const double tau = surface.thickness[i];
     const double bend = std::min(1., bending[i].difference * tau);
-    const Complex thinner = -slopes[i] * tau;
-    const double slope = std::min(1., std::sqrt(std::norm(thinner)));
-    // The sign of the slope, as far as it lies along the limb.
-    Complex least = bending[i].least;
-    const double agreement = (least * std::conj(unitTangent(thinner))).real();
-    if (agreement < 0) least = -least;
-    const double signedWeight = kSlope * slope * agreement * agreement;
-    wishes[i] = {least, kBending * bend * bend, false};
-    if (signedWeight > wishes[i].weight)
-      wishes[i] = {unitTangent(thinner), signedWeight, true};
-    else if (slope * std::abs(agreement) > 0.3)
-      wishes[i].signs = true;
+    const Complex axial = surface.graph.tangent(i, Point{axis[0], axis[1], axis[2]});
+    wishes[i] = meanLine(bending[i].least, kBending * bend * bend, axial, kAxis);
+    const double thinner = -tau * (wishes[i].towards * std::conj(slopes[i])).real();
+    if (thinner < 0) wishes[i].towards = -wishes[i].towards;
+    wishes[i].signs = std::abs(thinner) > kSigned;
   }
   return wishes;
 }

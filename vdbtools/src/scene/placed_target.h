@@ -6,6 +6,7 @@
 
 #include "vdbtools/distance/target.h"
 #include "vdbtools/exponent/exponent_grid.h"
+#include "vdbtools/grain/grain.h"
 #include "vdbtools/scene/scene.h"
 #include "vdbtools/target/target_input.h"
 #include "vdbtools/target/target_survey.h"
@@ -14,6 +15,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbtools {
 
@@ -74,6 +76,8 @@ class SharedTarget {
     PlacedTarget target;
   };
   std::optional<Placed> placed{};
+  /// The latest grids of grains, by everything that they depend on (grainOf()).
+  std::vector<std::pair<std::string, GrainGrids>> grains{};
   std::string hash{};  ///< SHA-256 of the target
 
  private:

@@ -7,6 +7,7 @@
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/text.h"
 #include "vdbtools/maps/direction_grids.h"
+#include "vdbtools/recipe/option_value.h"
 
 #include <openvdb/tools/Interpolation.h>
 
@@ -113,6 +114,15 @@ double reachOf(const PlacedTarget& target) {
   return std::max(detail.detail.range().second, detail.outward.range().second) + kMargin;
 }
 
+/// Everything but the target and the content of files that the grids depend on.
+std::string keyOf(const GrainSettings& settings, const ControlSetting& frequency, const PlacedTarget& target) {
+  const FractalSpace& space = target.placed.unmoved;
+  std::string key;
+  for (const std::string& text : {settings.text, settings.turn->text(), frequency->text()}) key += text + '\n';
+  return key + numbersText({settings.scale, slopeOf(target.shell), reachOf(target), space.scale, space.centre[0],
+                            space.centre[1], space.centre[2]});
+}
+
 }  // namespace
 
 GrainDirections grainDirectionsOf(const GrainSettings& settings, const ControlSetting& frequency, SharedTarget& shared,
@@ -159,10 +169,19 @@ GrainDirections grainDirectionsOf(const GrainSettings& settings, const ControlSe
 
 GrainGrids grainOf(const GrainSettings& settings, const ControlSetting& frequency, SharedTarget& shared,
                    const PlacedTarget& target, Monitor& monitor) {
+  const std::string key = keyOf(settings, frequency, target);
+  for (const auto& [known, grids] : shared.grains)
+    if (known == key) return grids;
   const GrainDirections grain = grainDirectionsOf(settings, frequency, shared, target, monitor);
   const GrainPhases phases = grainPhases(grain.surface, grain.directions, grain.wavelength, monitor);
   GrainGrids grids = grainGrids(grain.surface, phases, grain.wavelength, reachOf(target), grain.thickness, monitor);
   setGrainScale(*grids.depth, grain.scale);
+  constexpr std::size_t kMost = 4;
+  // What files contain may change.
+  if (!settings.file && settings.turn->files().empty() && frequency->files().empty()) {
+    if (shared.grains.size() == kMost) shared.grains.erase(shared.grains.begin());
+    shared.grains.emplace_back(key, grids);
+  }
   return grids;
 }
 
