@@ -15,6 +15,7 @@
 #include "vdbtools/picture/gradient.h"
 
 #include "julia/brick_field.h"
+#include "julia/grain_versor.h"
 #include "julia/shape_modulus.h"
 
 #include <gtest/gtest.h>
@@ -30,6 +31,8 @@
 #include <fstream>
 #include <random>
 #include <sstream>
+#include <string_view>
+#include <vector>
 
 namespace {
 
@@ -58,12 +61,14 @@ class SceneDataTest : public testing::Test {
   TemporaryFolder mFolder;
 };
 
-/// E as the page's shader reads it: trilinearly between the nodes of the volume.
+/// A field as the page's shader reads it: trilinearly between the nodes of a volume.
 class PageVolume {
  public:
-  explicit PageVolume(const SceneData& data) : mData(data), mEntry(data.description.at("exponent")) {
-    mDims = mEntry.at("dims").get<std::array<int, 3>>();
-  }
+  explicit PageVolume(const SceneData& data) : PageVolume(data.description.at("exponent"), data.volume) {}
+  /// @param bytes  from the field's first value on
+  /// @param stride  from one of its values to the next
+  PageVolume(const json& entry, std::string_view bytes, std::size_t stride = 1)
+      : mEntry(entry), mBytes(bytes), mStride(stride), mDims(entry.at("dims").get<std::array<int, 3>>()) {}
 
   double at(const julia::Point& x) const {
     std::array<double, 3> part{};
@@ -95,14 +100,15 @@ class PageVolume {
     const auto index = static_cast<std::size_t>((node[2] * mDims[1] + node[1]) * mDims[0] + node[0]);
     openvdb::math::half value;
     std::uint16_t bits = 0;
-    std::memcpy(&bits, mData.volume.data() + 2 * index, sizeof bits);
+    std::memcpy(&bits, mBytes.data() + 2 * mStride * index, sizeof bits);
     value.setBits(bits);
     return static_cast<double>(static_cast<float>(value));
   }
 
-  const SceneData& mData;
   const json& mEntry;
-  std::array<int, 3> mDims{};
+  std::string_view mBytes;
+  std::size_t mStride;
+  std::array<int, 3> mDims;
 };
 
 TEST_F(SceneDataTest, theVolumeIsTheExponentWithinItsError) {
@@ -128,15 +134,62 @@ TEST_F(SceneDataTest, theVolumeIsTheExponentWithinItsError) {
   EXPECT_GT(undecided, 100) << "the points say nothing of the shell";
 }
 
+TEST_F(SceneDataTest, theVolumesOfAGrainAreTheFieldsThatItsVersorReads) {
+  Recipe recipe = target();
+  recipe.merge(Recipe{{"texture", "fur"}, {"grain", "0,1,0"}, {"drop-axis", "j"}});
+  const Scene made = scene(recipe);
+  // A small picture needs the whole of it, too: phases cannot be read between nodes that are far apart.
+  const SceneData data = sceneData(made, {.side = 16}, mMonitor);
+  const json& entry = data.description.at("grain");
+  EXPECT_EQ(entry.at("coarser"), 1);
+  EXPECT_FALSE(data.description.contains("waves"));
+  EXPECT_FALSE(data.description.contains("factors"));
+  const auto dims = entry.at("dims").get<std::array<std::size_t, 3>>();
+  const std::size_t nodes = dims[0] * dims[1] * dims[2];
+  ASSERT_EQ(data.grain.size(), 10 * nodes);
+  const auto shape = std::any_cast<julia::ShapeModulusDescription>(made.field.evaluator->describe().map);
+  const auto versor = std::any_cast<julia::GrainVersorDescription>(shape.versor);
+  ASSERT_EQ(entry.at("factors").size(), versor.texture.factors.size());
+  for (std::size_t i = 0; i < versor.texture.factors.size(); ++i) {
+    const julia::WaveFactor& factor = versor.texture.factors[i];
+    EXPECT_EQ(entry.at("factors").at(i).at("power"), factor.power);
+    for (std::size_t k = 0; k < factor.waves.size(); ++k) {
+      const auto wave = entry.at("factors").at(i).at("waves").at(k).get<std::array<std::array<double, 4>, 3>>();
+      const julia::Quaternion<double>& frequency = factor.waves[k].frequency;
+      EXPECT_EQ(wave[0], (std::array{frequency.a, frequency.b, frequency.c, frequency.d}));
+    }
+  }
+  const double error = entry.at("error").get<double>();
+  ASSERT_LT(error, 0.002);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coordinate(-0.7, 0.7);
+  std::vector<julia::Point> points(3000);
+  for (julia::Point& x : points) x = {coordinate(random), coordinate(random), coordinate(random)};
+  for (std::size_t k = 0; k < julia::kGrainFields; ++k) {
+    const bool isDepth = k == julia::kGrainDepth;
+    const PageVolume volume(entry, std::string_view(data.grain).substr(isDepth ? 8 * nodes : 2 * k), isDepth ? 1 : 4);
+    const julia::BrickField<double> field(versor.fields[k]->bricks, versor.fields[k]->placement);
+    int changing = 0;
+    for (const julia::Point& x : points) {
+      double expected = 0;
+      field.sample({&x[0], 1}, {&x[1], 1}, {&x[2], 1}, {&expected, 1});
+      EXPECT_NEAR(volume.at(x), expected, error + 1e-5) << k << ": " << x[0] << ' ' << x[1] << ' ' << x[2];
+      changing += expected != 0 ? 1 : 0;
+    }
+    EXPECT_GT(changing, 100) << k;
+  }
+}
+
 TEST_F(SceneDataTest, whatThePageCannotShowIsRefusedAtOnce) {
   const auto with = [&](const Recipe& options) {
     Recipe recipe = target();
     recipe.insert(options.begin(), options.end());
     return scene(recipe);
   };
-  for (const Recipe& shown : std::vector<Recipe>{{}, {{"texture", "random"}}})
+  for (const Recipe& shown : std::vector<Recipe>{{}, {{"texture", "random"}}, {{"grain", "along"}}})
     EXPECT_NO_THROW(requireShown(with(shown)));
   for (const Recipe& other : std::vector<Recipe>{{{"texture-symmetry", "3:y"}},
+                                                 {{"grain", "along"}, {"texture-symmetry", "3:y"}},
                                                  {{"texture-over", "thorns"}, {"texture-mix", "expr:0.2+0.5*hx"}},
                                                  {{"texture", "expr:y,-x,z+2"}}}) {
     const Scene made = with(other);

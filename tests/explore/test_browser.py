@@ -506,7 +506,7 @@ class Browser(browser.BrowserTest):
         self.open_page()
         self.settle()
         labels = [one.text for one in self.finds(".control label") if one.is_displayed()]
-        self.assertEqual(labels[:5], ["Seed", "Frequency", "Detail", "Outward", "Colour"])
+        self.assertEqual(labels[:6], ["Seed", "Frequency", "Grain", "Detail", "Outward", "Colour"])
         tiles = self.finds(".tile")
         self.assertEqual(tiles[0].text, "random")
         self.assertEqual(len(tiles), 11)
@@ -519,6 +519,57 @@ class Browser(browser.BrowserTest):
         tiles[0].click()
         self.settle()
         self.assertNotIn("error", self.find(".status").get_attribute("class"))
+        self.assertEqual(self.errors(), [])
+
+    def test_a_grain(self):
+        self.open_page()
+        self.settle()
+        self.run_script("explore.thumbnails.stop()")
+        # The controls of the grain that are shown.
+        shown = lambda: {one.find_element("css selector", "label").text: one for one in self.finds(".control[data-name^=grain]")  # noqa: E731
+                         if one.is_displayed()}
+        picture = lambda: self.driver.execute_async_script("explore.render(40, 40).then(arguments[0])")  # noqa: E731
+
+        def choose(value):
+            select = shown()["Grain"].find_element("css selector", "select")
+            self.run_script("arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('change'))", select, value)
+            self.settle()
+            self.assertNotIn("error", self.find(".status").get_attribute("class"))
+
+        self.assertEqual(list(shown()), ["Grain"])
+        self.run_script("explore.store.change((state) => { state.recipe['texture-translate'] = '0.1,0,0'; })")
+        without = picture()
+        choose("along")
+        # A texture that follows a grain cannot be moved.
+        self.assertEqual([self.state()["recipe"].get(name) for name in ("grain", "texture-translate")], ["along", None])
+        self.assertEqual(list(shown()), ["Grain", "Turn of the grain"])
+        self.assertTrue(self.run_script("return Boolean(explore.scene().grain)"))
+        along = picture()
+        self.assertNotEqual(along, without)
+        # Another scale is another scene, which the live picture waits for.
+        self.run_script("explore.store.change((state) => { state.recipe['texture-scale'] = '2'; })")
+        self.assertEqual(picture(), along)
+        self.settle()
+        self.assertNotEqual(picture(), along)
+        self.show_sixteen("Turn of the grain")
+        looks = self.looks()
+        self.assertEqual([looks[0][1]["grain-turn"], looks[15][1]["grain-turn"]], ["-90", "90"])
+        self.assertGreaterEqual(len({seen for _, _, seen in looks}), 15)
+        self.choice(4).click()
+        self.settle()
+        self.assertEqual(self.state()["recipe"]["grain-turn"], looks[4][0])
+        choose("own")
+        self.assertEqual(self.state()["recipe"]["grain"], "0,1,0")
+        self.assertEqual(list(shown()), ["Grain", "Its directions", "Turn of the grain"])
+        choose("none")
+        self.assertEqual([self.state()["recipe"].get(name) for name in ("grain", "grain-turn")], [None, None])
+        # Random roots follow no grain.
+        choose("around")
+        self.finds(".tile")[0].click()
+        self.settle()
+        self.assertNotIn("error", self.find(".status").get_attribute("class"))
+        self.assertNotIn("grain", self.state()["recipe"])
+        self.assertEqual(list(shown()), [])
         self.assertEqual(self.errors(), [])
 
     def test_what_is_wrong_is_answered_beside_its_control(self):

@@ -58,6 +58,11 @@ class Page(browser.BrowserTest):
     def test_random_roots_another_axis_and_a_slice(self):
         self.assertGreaterEqual(self.silhouettes(*TORUS, "--texture-seed", "3", "--drop-axis", "j", "--slice", "0.1"), 0.97)
 
+    def test_a_texture_along_a_grain(self):
+        self.assertGreaterEqual(self.silhouettes(*TORUS, "--texture", "fur", "--grain", "along"), 0.97)
+        self.assertGreaterEqual(self.silhouettes(*TORUS, "--texture", "shells", "--grain", "0,1,0", "--grain-turn", "30",
+                                                 "--drop-axis", "i", "--detail", "0.5"), 0.97)
+
     def test_a_rational_map(self):
         top = [(0.1 * i, 0.05 * (i % 3), 0.1, 0.0, 3 + 0.5 * i) for i in range(4)]
         bottom = [(0.9, 0.3 * i, -0.4, 0.1, 2.5) for i in range(3)]

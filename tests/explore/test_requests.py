@@ -103,6 +103,17 @@ class Page(harness.CliTest):
             status, answer = page.post("scene", {"recipe": page.recipe(), "side": side})
             self.assertEqual((status, answer["error"]), (400, "'side' must be a whole number of nodes from 16 to 256"), side)
 
+    def test_a_scene_with_a_grain_has_two_volumes(self):
+        page = self.serve("s.obj", "--sdf-resolution", "32", "--resolution", "24", "--texture", "fur", "--grain", "along")
+        status, scene = page.post("scene", {"recipe": page.recipe()})
+        self.assertEqual(status, 200, scene)
+        for entry, size in (("exponent", 2), ("grain", 10)):
+            x, y, z = scene[entry]["dims"]
+            status, volume = page.get("volume/" + scene[entry]["id"])
+            self.assertEqual((status, len(volume)), (200, size * x * y * z), entry)
+        # Only the exponent of a small picture is smaller.
+        self.assertTrue(page.post("scene", {"recipe": page.recipe(), "side": 16})[1]["grain"] == scene["grain"])
+
     def test_a_scene_does_not_depend_on_those_before_it(self):
         self.write("m.obj", harness.obj(harness.snowman()))
         self.ok("sdf", "m.obj", "-o", "m.vdb", "--resolution", 40)

@@ -28,6 +28,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace vdbtools::explore {
 namespace {
@@ -35,7 +36,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMostBody = 64 << 10, kMostFile = std::size_t(256) << 20;  // bytes
-constexpr std::size_t kMostVolumes = 4, kMostEntries = 300, kMostKeys = 100;
+constexpr std::size_t kMostVolumes = 8, kMostEntries = 300, kMostKeys = 100;
 constexpr std::size_t kMostTargetTriangles = 100'000;
 
 /// There is nothing at this path.
@@ -280,12 +281,14 @@ json ExploreSession::scene(const json& body, Monitor& monitor) {
   const SceneDataOptions volume = volumeOf(body);
   const std::shared_ptr<KeptScene> kept = sceneOf(lookOf(body), turn, monitor);
   SceneData data = sceneData(kept->scene(), volume, monitor);
-  if (data.volume.empty()) return std::move(data.description);
-  const std::string id = data.description.at("exponent").at("id").get<std::string>();
   const std::lock_guard lock(mMutex);
-  mVolumes.remove_if([&](const Volume& volume) { return volume.id == id; });
-  mVolumes.push_front({id, std::make_shared<const std::string>(std::move(data.volume))});
-  if (mVolumes.size() > kMostVolumes) mVolumes.pop_back();
+  for (const auto& [entry, bytes] : {std::pair("exponent", &data.volume), std::pair("grain", &data.grain)}) {
+    if (bytes->empty()) continue;
+    const std::string id = data.description.at(entry).at("id").get<std::string>();
+    mVolumes.remove_if([&](const Volume& volume) { return volume.id == id; });
+    mVolumes.push_front({id, std::make_shared<const std::string>(std::move(*bytes))});
+    if (mVolumes.size() > kMostVolumes) mVolumes.pop_back();
+  }
   return std::move(data.description);
 }
 

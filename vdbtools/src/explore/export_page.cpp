@@ -125,8 +125,9 @@ std::string exportPage(const Scene& scene, const Recipe& recipe, const json& loo
                       std::string(pageFile("style.css")) + "</style>");
   return replaced(page, "<script type=\"module\" src=\"page/main.js\"></script>",
                   "<script type=\"application/json\" id=\"exported\">" + inScript(start) +
-                      "</script>\n<script type=\"text/plain\" id=\"exported-volume\">" + base64(deflated(data.volume)) +
-                      "</script>\n<script type=\"module\">\n" + bundledScript() + "</script>");
+                      "</script>\n<script type=\"text/plain\" id=\"exported-volume\">" +
+                      base64(deflated(data.volume + data.grain)) + "</script>\n<script type=\"module\">\n" +
+                      bundledScript() + "</script>");
 }
 
 }  // namespace vdbtools::explore

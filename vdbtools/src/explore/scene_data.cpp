@@ -8,6 +8,7 @@
 
 #include "julia/brick_field.h"
 #include "julia/cross_map.h"
+#include "julia/grain_versor.h"
 #include "julia/mandelbulb.h"
 #include "julia/quadratic_map.h"
 #include "julia/rational.h"
@@ -24,6 +25,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -54,42 +56,82 @@ json factors(const julia::Rational& rational) {
   return all;
 }
 
-/// The exponent, or another field, on a dense lattice.
-class Volume {
+/// A dense lattice over the bricks of one or several fields.
+class Lattice {
  public:
-  Volume(const julia::PlacedBricks& exponent, int side) {
-    const julia::BrickPlacement& placement = exponent.placement;
+  /// @param fields  whose placements differ by whole nodes at most
+  /// @param side  the maximum number of nodes along any axis
+  Lattice(std::span<const julia::PlacedBricks> fields, int side) : mFirst(fields.front().placement) {
+    std::array<double, 3> high = mLow = mFirst.low;
+    for (const julia::PlacedBricks& field : fields)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double shift = shiftOf(field.placement, axis);
+        mLow[axis] = std::min(mLow[axis], field.placement.low[axis] - shift);
+        high[axis] = std::max(high[axis], field.placement.high[axis] - shift);
+      }
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double extent = placement.high[axis] - placement.low[axis];
+      const double extent = high[axis] - mLow[axis];
       mCount[axis] = std::min(side, static_cast<int>(std::lround(extent)) + 1);
       mStep[axis] = mCount[axis] > 1 ? extent / (mCount[axis] - 1) : 1;
     }
-    // In units of nodes, so that a value at a node is read unchanged.
-    julia::BrickPlacement nodes{.low = placement.low, .high = placement.high};
-    for (std::size_t axis = 0; axis < 3; ++axis) nodes.matrix[axis][axis] = 1;
-    read(julia::BrickField<float>(exponent.bricks, nodes), placement.low);
-    describe(placement);
-    mDescription["interpolation"] =
-        exponent.bricks->interpolation == julia::Interpolation::Quadratic ? "quadratic" : "trilinear";
   }
 
-  const std::string& bytes() const { return mBytes; }
-  json description() const { return mDescription; }
+  std::size_t size() const {
+    return static_cast<std::size_t>(mCount[0]) * static_cast<std::size_t>(mCount[1]) *
+           static_cast<std::size_t>(mCount[2]);
+  }
+
+  /// The values of one of the fields at all nodes, X fastest, then Y, without its knee.
+  std::vector<float> valuesOf(const julia::PlacedBricks& placed) const {
+    // In units of nodes, so that a value at a node is read unchanged.
+    julia::BrickPlacement nodes{.low = placed.placement.low, .high = placed.placement.high};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      nodes.matrix[axis][axis] = 1;
+      nodes.offset[axis] = shiftOf(placed.placement, axis);
+    }
+    const julia::BrickField<float> field(placed.bricks, nodes);
+    const auto width = static_cast<std::size_t>(mCount[0]);
+    std::vector<float> x(width), y(width), z(width), values(size());
+    for (std::size_t i = 0; i < width; ++i) x[i] = static_cast<float>(mLow[0] + static_cast<double>(i) * mStep[0]);
+    std::size_t row = 0;
+    for (int k = 0; k < mCount[2]; ++k)
+      for (int j = 0; j < mCount[1]; ++j, row += width) {
+        std::fill(y.begin(), y.end(), static_cast<float>(mLow[1] + j * mStep[1]));
+        std::fill(z.begin(), z.end(), static_cast<float>(mLow[2] + k * mStep[2]));
+        field.sample(x, y, z, std::span(values).subspan(row, width));
+      }
+    return values;
+  }
+
+  json description() const {
+    json matrix = json::array(), offset = json::array();
+    for (std::size_t row = 0; row < 3; ++row) {
+      matrix.push_back(
+          {mFirst.matrix[row][0] / mStep[row], mFirst.matrix[row][1] / mStep[row], mFirst.matrix[row][2] / mStep[row]});
+      offset.push_back((mFirst.offset[row] - mLow[row]) / mStep[row]);
+    }
+    return {{"dims", mCount},
+            {"matrix", matrix},
+            {"offset", offset},
+            {"coarser", std::max({mStep[0], mStep[1], mStep[2]})}};
+  }
 
  private:
-  void read(const julia::BrickField<float>& field, const std::array<double, 3>& low) {
-    const auto width = static_cast<std::size_t>(mCount[0]);
-    std::vector<float> x(width), y(width), z(width), values(width);
-    for (std::size_t i = 0; i < width; ++i) x[i] = static_cast<float>(low[0] + static_cast<double>(i) * mStep[0]);
-    mBytes.reserve(2 * width * static_cast<std::size_t>(mCount[1]) * static_cast<std::size_t>(mCount[2]));
-    for (int k = 0; k < mCount[2]; ++k)
-      for (int j = 0; j < mCount[1]; ++j) {
-        std::fill(y.begin(), y.end(), static_cast<float>(low[1] + j * mStep[1]));
-        std::fill(z.begin(), z.end(), static_cast<float>(low[2] + k * mStep[2]));
-        field.sample(x, y, z, values);
-        for (const float value : values) append(value);
-      }
+  /// By how many nodes the bricks of a field are placed beyond those of the first.
+  double shiftOf(const julia::BrickPlacement& placement, std::size_t axis) const {
+    return std::round(placement.offset[axis] - mFirst.offset[axis]);
   }
+
+  julia::BrickPlacement mFirst;
+  std::array<double, 3> mLow{};  ///< in nodes of the first field's bricks, as the steps
+  std::array<int, 3> mCount{};
+  std::array<double, 3> mStep{};
+};
+
+/// Values as 16-bit floats.
+class Halves {
+ public:
+  explicit Halves(std::size_t count) { mBytes.reserve(2 * count); }
 
   void append(float value) {
     const float rounded = appendHalf(mBytes, value);
@@ -98,47 +140,94 @@ class Volume {
     mHigh = std::max(mHigh, rounded);
   }
 
-  void describe(const julia::BrickPlacement& placement) {
-    json matrix = json::array(), offset = json::array();
-    for (std::size_t row = 0; row < 3; ++row) {
-      matrix.push_back({placement.matrix[row][0] / mStep[row], placement.matrix[row][1] / mStep[row],
-                        placement.matrix[row][2] / mStep[row]});
-      offset.push_back((placement.offset[row] - placement.low[row]) / mStep[row]);
-    }
-    mDescription = {{"id", sha256Hex(mBytes).substr(0, 32)},
-                    {"type", "float16"},
-                    {"dims", mCount},
-                    {"matrix", matrix},
-                    {"offset", offset},
-                    {"error", mError},
-                    {"low", mLow},
-                    {"high", mHigh},
-                    {"coarser", std::max({mStep[0], mStep[1], mStep[2]})}};
-  }
+  const std::string& bytes() const { return mBytes; }
+  std::string takenBytes() { return std::move(mBytes); }
+  std::string id() const { return sha256Hex(mBytes).substr(0, 32); }
+  float error() const { return mError; }
+  float low() const { return mLow; }
+  float high() const { return mHigh; }
 
-  std::array<int, 3> mCount{};
-  std::array<double, 3> mStep{};  ///< nodes of the bricks
+ private:
   std::string mBytes;
   float mError = 0, mLow = 1e30F, mHigh = -1e30F;
+};
+
+/// The exponent, or another field, on a dense lattice.
+class Volume {
+ public:
+  Volume(const julia::PlacedBricks& exponent, int side) {
+    const Lattice lattice({&exponent, 1}, side);
+    Halves halves(lattice.size());
+    for (const float value : lattice.valuesOf(exponent)) halves.append(value);
+    mDescription = lattice.description();
+    mDescription.update(
+        {{"id", halves.id()},
+         {"type", "float16"},
+         {"error", halves.error()},
+         {"low", halves.low()},
+         {"high", halves.high()},
+         {"interpolation",
+          exponent.bricks->interpolation == julia::Interpolation::Quadratic ? "quadratic" : "trilinear"}});
+    mBytes = halves.takenBytes();
+  }
+
+  const std::string& bytes() const { return mBytes; }
+  json description() const { return mDescription; }
+
+ private:
+  std::string mBytes;
   json mDescription;
 };
 
-/// The waves in the order of their factors, and the octave, which varies slowly, on a coarse lattice.
-json waves(const julia::WaveVersorDescription& versor) {
-  constexpr int kSide = 48;
+/// The waves in the order of their factors.
+json waveFactors(const julia::WaveTexture& texture) {
   json factors = json::array();
-  for (const julia::WaveFactor& factor : versor.texture.factors) {
+  for (const julia::WaveFactor& factor : texture.factors) {
     json all = json::array();
     for (const julia::Wave& wave : factor.waves)
       all.push_back({quaternion(wave.frequency), quaternion(wave.cosine), quaternion(wave.sine)});
     factors.push_back({{"power", factor.power}, {"waves", std::move(all)}});
   }
+  return factors;
+}
+
+/// The waves, and the octave, which varies slowly, on a coarse lattice.
+json waves(const julia::WaveVersorDescription& versor) {
+  constexpr int kSide = 48;
   const Volume octave(*versor.octave, kSide);
   json description = octave.description();
   description["values"] = base64(octave.bytes());
   return {{"origin", quaternion(versor.texture.origin)},
-          {"factors", std::move(factors)},
+          {"factors", waveFactors(versor.texture)},
           {"octave", std::move(description)}};
+}
+
+/// The lattice of a grain. Phases turn within a few nodes, so it is thinned out only if it is larger than that of any
+/// target should be.
+Lattice grainLattice(std::span<const julia::PlacedBricks> fields) {
+  constexpr std::size_t kMostNodes = std::size_t(6) << 20;  // of 10 bytes
+  for (int side = 1024;; side -= side / 8) {
+    Lattice lattice(fields, side);
+    if (lattice.size() <= kMostNodes) return lattice;
+  }
+}
+
+/// The waves, and the fields of the grain, which go to @a volume.
+json grain(const julia::GrainVersorDescription& versor, std::string& volume) {
+  std::vector<julia::PlacedBricks> fields;
+  for (const std::optional<julia::PlacedBricks>& field : versor.fields) fields.push_back(field.value());
+  const Lattice lattice = grainLattice(fields);
+  std::array<std::vector<float>, julia::kGrainFields> values;
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = lattice.valuesOf(fields[k]);
+  Halves halves(julia::kGrainFields * lattice.size());
+  for (std::size_t i = 0; i < lattice.size(); ++i)
+    for (std::size_t k = 0; k < julia::kGrainDepth; ++k) halves.append(values[k][i]);
+  for (const float depth : values[julia::kGrainDepth]) halves.append(depth);
+  json description = lattice.description();
+  description.update(
+      {{"id", halves.id()}, {"type", "float16"}, {"error", halves.error()}, {"factors", waveFactors(versor.texture)}});
+  volume = halves.takenBytes();
+  return description;
 }
 
 /// The cubes that are not proved to be outside the set: one bit per cube, X fastest, the first in the lowest bit.
@@ -203,10 +292,12 @@ constexpr const char* kNotShown =
 /// Whether the page's shader supports the versor. @param described  as VersorField::describe()
 bool isShown(const std::any& described) {
   const auto* const wave = std::any_cast<julia::WaveVersorDescription>(&described);
-  return std::any_cast<julia::Rational>(&described) || (wave && wave->octave);
+  const auto* const grain = std::any_cast<julia::GrainVersorDescription>(&described);
+  return std::any_cast<julia::Rational>(&described) || (wave && wave->octave) ||
+         (grain && std::all_of(grain->fields.begin(), grain->fields.end(), [](const auto& field) { return field; }));
 }
 
-/// Adds the entries of the map, and writes the exponent to @a volume.
+/// Adds the entries of the map, its exponent and its grain.
 void describeMap(const julia::MapDescription& map, const SceneDataOptions& options, SceneData& data) {
   json& scene = data.description;
   if (const auto* shape = std::any_cast<julia::ShapeModulusDescription>(&map)) {
@@ -216,6 +307,8 @@ void describeMap(const julia::MapDescription& map, const SceneDataOptions& optio
     scene["map"] = "shape-modulus";
     if (const auto* roots = std::any_cast<julia::Rational>(&shape->versor))
       scene["factors"] = factors(*roots);
+    else if (const auto* followed = std::any_cast<julia::GrainVersorDescription>(&shape->versor))
+      scene["grain"] = grain(*followed, data.grain);
     else
       scene["waves"] = waves(std::any_cast<const julia::WaveVersorDescription&>(shape->versor));
     scene["exponent"] = volume.description();

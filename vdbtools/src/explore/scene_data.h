@@ -15,7 +15,8 @@ namespace vdbtools::explore {
 
 struct SceneDataOptions {
   /// The maximum number of nodes of the volume along any axis, from 16 to 256, which every implementation of WebGL 2
-  /// supports. A finer exponent is sampled at this many places.
+  /// supports. A finer exponent is sampled at this many places. The grain is not, because its phases turn within a few
+  /// nodes.
   int side = 256;
 };
 
@@ -25,6 +26,9 @@ struct SceneData {
   /// For a map with an exponent, the values of the exponent as little-endian 16-bit floats, X fastest, then Y;
   /// otherwise empty.
   std::string volume;
+  /// For a texture that follows a grain, the four components of the phases at each node, and then the depths of all
+  /// nodes, in the same format; otherwise empty.
+  std::string grain;
 };
 
 /// @throw std::invalid_argument  the map has no description (julia/map_description.h), or options out of their ranges

@@ -8,14 +8,15 @@ import { button, choice, element, group, slider, text, tick } from "./widgets.js
 
 const RANDOM_ROOTS = ["texture-seed", "texture-roots", "texture-powers", "texture-integer", "texture-placement", "texture-distance",
   "texture-centre", "texture-radius"];
-const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "texture", ...RANDOM_ROOTS, "frequency", "texture-scale",
+const OWN_CONTROLS = ["map", "input", "detail", "outward", "alpha", "beta", "origin-shift", "texture", ...RANDOM_ROOTS, "frequency", "grain", "grain-turn", "texture-scale",
   "texture-translate", "iterations", "slice", "c", "power", "pair", "scheme", "f", "g", "theta", "mandelbrot", "resolution", "box",
   "colour"];
 
 // An exported page does not know the program's defaults. These leave the texture as it is.
-export const UNCHANGED = { "texture-scale": "1", "texture-translate": "0,0,0" };
+export const UNCHANGED = { "texture-scale": "1", "texture-translate": "0,0,0", "grain-turn": "0" };
 
 const OWN_RAMP = "#101820,#c0392b,#f7dc6f";
+const NO_GRAIN = "none", GRAINS = [NO_GRAIN, "along", "around", "curvature", "down"], OWN_GRAIN = "0,1,0";
 
 // The other options, by the groups of the program's help.
 const OTHER_GROUPS = [["More of the map and the texture", "map"], ["Space", "space"], ["Lattice", "lattice"], ["Surface", "surface"],
@@ -57,7 +58,23 @@ export function chooseTexture(page, recipe, name, seed) {
   for (const option of RANDOM_ROOTS) delete recipe[option];
   page.options.set(recipe, "texture", name);
   if (seed !== undefined) recipe["texture-seed"] = seed;
+  if (!mayFollowGrain(page, recipe)) setGrain(page, recipe, undefined);
   if (!followsThickness(page, recipe)) delete recipe.frequency;
+}
+
+// Whether the texture is one that can follow a grain.
+export function mayFollowGrain({ options, start }, recipe) {
+  if (isRandomVersor(recipe) || !options.has("grain", recipe)) return false;
+  const name = recipe.texture ?? options.usual("texture", recipe);
+  return name.startsWith("waves:") || start.textures.some((texture) => texture.name === name);
+}
+
+export function followsGrain(page, recipe) { return (recipe.grain ?? NO_GRAIN) !== NO_GRAIN && mayFollowGrain(page, recipe); }
+
+// Sets the grain, and removes the options that cannot be with it or without it.
+function setGrain(page, recipe, grain) {
+  page.options.set(recipe, "grain", grain === NO_GRAIN ? undefined : grain);
+  delete recipe[recipe.grain ? "texture-translate" : "grain-turn"];
 }
 
 export function variesBySeed({ options, start }, recipe) {
@@ -76,8 +93,10 @@ export function setSeed(page, recipe, seed) {
 }
 
 // Whether the texture is one whose detail follows the target's local thickness.
-export function followsThickness({ options, start }, recipe) {
+export function followsThickness(page, recipe) {
+  const { options, start } = page;
   if (isRandomVersor(recipe)) return false;
+  if (followsGrain(page, recipe)) return true;
   const name = recipe.texture ?? options.usual("texture", recipe);
   return options.mapOf(recipe) === "shape-modulus" && start.textures.some((one) => one.followsThickness && one.name === name);
 }
@@ -163,7 +182,8 @@ export function makeControls(page) {
 
   function rootPlaces() {
     return [number("texture-scale", "Scale of the texture", { min: 0.2, max: 5, scale: "log" }),
-      ...vector("texture-translate", ["Move the roots X", "Move the roots Y", "Move the roots Z"], { min: -0.5, max: 0.5, step: 0.005 })];
+      when((recipe) => page.isExported || !followsGrain(page, recipe),
+        ...vector("texture-translate", ["Move the roots X", "Move the roots Y", "Move the roots Z"], { min: -0.5, max: 0.5, step: 0.005 }))];
   }
 
   // The colour, its gradient and its range.
@@ -281,7 +301,21 @@ export function makeControls(page) {
     return part;
   }
 
-  // The shelf, the seed and the frequency.
+  // The directions that the texture follows.
+  function grainControls() {
+    const isOwn = ({ grain }) => grain !== undefined && !GRAINS.includes(grain);
+    const write = (state, value) => setGrain(page, state.recipe, value);
+    return [add(choice(store, {
+      label: "Grain", name: "grain", help: options.help("grain"), values: [...GRAINS, { value: "own", text: "other" }], usual: usualOf("grain"),
+      read: ({ recipe }) => isOwn(recipe) ? "own" : recipe.grain, write: (state, value) => write(state, value === "own" ? OWN_GRAIN : value),
+    })),
+    when(isOwn, add(text(store, {
+      label: "Its directions", name: "grain", help: options.help("grain"), usual: () => OWN_GRAIN, read: (state) => state.recipe.grain, write,
+    }))),
+    when((recipe) => followsGrain(page, recipe), number("grain-turn", "Turn of the grain", { min: -90, max: 90, step: 1 }))];
+  }
+
+  // The shelf, the seed, the frequency and the grain.
   function textureControls() {
     const choose = (name) => store.change((state) => chooseTexture(page, state.recipe, name));
     const random = { name: "random", description: "Roots at random: every seed is another texture.", thumbnail: "page/texture-random.jpg" };
@@ -313,7 +347,8 @@ export function makeControls(page) {
       element("div", { class: "shelf", role: "group", "aria-label": "Textures" }, ...tiles),
       when((recipe) => variesBySeed(page, recipe), seed,
         element("div", { class: "buttons" }, button("← previous seed", seedBy(-1)), button("next seed →", seedBy(1)))),
-      when((recipe) => followsThickness(page, recipe), chosen("frequency", "Frequency", ["coarse", "medium", "fine"])))];
+      when((recipe) => followsThickness(page, recipe), chosen("frequency", "Frequency", ["coarse", "medium", "fine"])),
+      when((recipe) => mayFollowGrain(page, recipe), ...grainControls()))];
   }
 
   // The other options of a texture.

@@ -39,9 +39,11 @@ class Scenes {
   async get(recipe, wait, signal, side = WHOLE) {
     const whole = this.key(recipe), key = side === WHOLE ? whole : `${side} ${whole}`, known = this.kept.get(whole) ?? this.kept.get(key);
     if (known) return known;
-    const description = await server.scene(recipe, wait, signal, side), id = description.exponent?.id;
-    const same = [...this.kept.values()].find((scene) => id && scene.exponent?.id === id);
-    const scene = makeScene(description, id ? same?.volume ?? await server.volume(id, signal) : null, recipe);
+    const description = await server.scene(recipe, wait, signal, side), { exponent, grain } = description;
+    const has = [...this.kept.values()].find((scene) => exponent && scene.exponent?.id === exponent.id);
+    const hasGrain = [...this.kept.values()].find((scene) => grain && scene.grain?.id === grain.id);
+    const scene = makeScene(description, exponent ? has?.volume ?? await server.volume(exponent.id, signal) : null,
+      grain ? hasGrain?.grainVolume ?? await server.volume(grain.id, signal) : null, recipe);
     this.kept.set(key, scene);
     this.shrink(scene);
     return scene;
@@ -49,7 +51,7 @@ class Scenes {
 
   // Volumes take most of the memory.
   shrink(latest) {
-    const volumes = () => new Set([...this.kept.values()].map((scene) => scene.exponent?.id)).size;
+    const volumes = () => Math.max(...["exponent", "grain"].map((name) => new Set([...this.kept.values()].map((scene) => scene[name]?.id)).size));
     for (const [key, scene] of [...this.kept]) {
       if (this.kept.size <= SCENES_KEPT && volumes() <= VOLUMES_KEPT) return;
       if (scene === latest || this.isUsed(scene)) continue;
@@ -63,12 +65,14 @@ async function exportedData() {
   const data = document.getElementById("exported");
   if (!data) return null;
   const start = JSON.parse(data.textContent), bytes = bytesOfBase64(document.getElementById("exported-volume").textContent);
-  let volume = null;
+  let volume = null, grainVolume = null;
   if (start.scene.exponent) {
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-    volume = new Uint16Array(await new Response(stream).arrayBuffer());
+    const [x, y, z] = start.scene.exponent.dims, both = new Uint16Array(await new Response(stream).arrayBuffer());
+    volume = both.subarray(0, x * y * z);
+    grainVolume = start.scene.grain ? both.subarray(x * y * z) : null;
   }
-  return { start, scene: makeScene(start.scene, volume, start.recipe) };
+  return { start, scene: makeScene(start.scene, volume, grainVolume, start.recipe) };
 }
 
 function buildPage(parts) {

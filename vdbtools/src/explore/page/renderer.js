@@ -61,6 +61,7 @@ export class Renderer {
     this.floats = gl.getExtension("EXT_color_buffer_float") ?? gl.getExtension("EXT_color_buffer_half_float");
     this.programs = new Map();
     this.volumes = new Map();
+    this.grains = new Map();
     this.corners = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), gl.STATIC_DRAW);
@@ -116,10 +117,12 @@ export class Renderer {
     return texture;
   }
 
-  texture3D([width, height, depth], data, internal, type, filter) {
-    const gl = this.gl, texture = gl.createTexture();
+  texture3D([width, height, depth], data, internal, type, filter, format = this.gl.RED) {
+    const gl = this.gl, texture = gl.createTexture(), most = gl.getParameter(gl.MAX_3D_TEXTURE_SIZE);
+    if (Math.max(width, height, depth) > most)
+      throw new Error(`The live picture needs ${width} × ${height} × ${depth} values, and the graphics hold ${most} along an axis at most.`);
     gl.bindTexture(gl.TEXTURE_3D, texture);
-    gl.texImage3D(gl.TEXTURE_3D, 0, internal, width, height, depth, 0, gl.RED, type, data);
+    gl.texImage3D(gl.TEXTURE_3D, 0, internal, width, height, depth, 0, format, type, data);
     for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, filter], [gl.TEXTURE_MAG_FILTER, filter],
       [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE],
       [gl.TEXTURE_WRAP_R, gl.CLAMP_TO_EDGE]])
@@ -127,7 +130,19 @@ export class Renderer {
     return texture;
   }
 
-  // The textures of a scene, made on first use. Those of exponents are shared, and the last few are kept.
+  // What make() makes of a volume. Scenes share it, and the last few are kept.
+  ofVolume(kept, id, make) {
+    const made = kept.get(id) ?? make();
+    kept.delete(id);
+    kept.set(id, made);
+    for (const old of [...kept.keys()].slice(0, -3)) {
+      for (const texture of kept.get(old)) this.gl.deleteTexture(texture);
+      kept.delete(old);
+    }
+    return made;
+  }
+
+  // The textures of a scene, made on first use.
   texturesOf(scene) {
     const gl = this.gl;
     if (!scene.textures) {
@@ -138,22 +153,24 @@ export class Renderer {
     if (scene.waves && !scene.textures.octave) {
       const { dims, values } = scene.waves.octave, bytes = bytesOfBase64(values);
       scene.textures.octave = this.texture3D(dims, new Uint16Array(bytes.buffer, bytes.byteOffset, bytes.length / 2), gl.R16F, gl.HALF_FLOAT, gl.LINEAR);
-      const rows = scene.waves.factors.flatMap(({ power, waves }) =>
+    }
+    const ofWaves = scene.grain ?? scene.waves;
+    if (ofWaves && !scene.textures.waves) {
+      const rows = ofWaves.factors.flatMap(({ power, waves }) =>
         waves.flatMap((wave, i) => [...wave.flat(), i + 1 === waves.length ? power : 0, 0, 0, 0]));
       scene.textures.waveCount = rows.length / 16;
       scene.textures.waves = this.texture2D(rows.length / 4, 1, new Float32Array(rows), gl.RGBA32F, gl.FLOAT);
     }
     if (scene.exponent) {
       const { id, dims } = scene.exponent;
-      let texture = this.volumes.get(id);
-      if (!texture) texture = this.texture3D(dims, scene.volume, gl.R16F, gl.HALF_FLOAT, gl.LINEAR);
-      this.volumes.delete(id);
-      this.volumes.set(id, texture);
-      for (const old of [...this.volumes.keys()].slice(0, -3)) {
-        gl.deleteTexture(this.volumes.get(old));
-        this.volumes.delete(old);
-      }
-      scene.textures.exponent = texture;
+      [scene.textures.exponent] = this.ofVolume(this.volumes, id, () =>
+        [this.texture3D(dims, scene.volume, gl.R16F, gl.HALF_FLOAT, gl.LINEAR)]);
+    }
+    if (scene.grain) {
+      const { id, dims } = scene.grain, nodes = dims[0] * dims[1] * dims[2];
+      [scene.textures.phases, scene.textures.depths] = this.ofVolume(this.grains, id, () =>
+        [this.texture3D(dims, scene.grainVolume.subarray(0, 4 * nodes), gl.RGBA16F, gl.HALF_FLOAT, gl.LINEAR, gl.RGBA),
+          this.texture3D(dims, scene.grainVolume.subarray(4 * nodes), gl.R16F, gl.HALF_FLOAT, gl.LINEAR)]);
     }
     return scene.textures;
   }
@@ -260,11 +277,21 @@ export class Renderer {
     gl.uniform1f(at("logScale"), scene.logScale ?? 0);
     if (factors) bind("factors", gl.TEXTURE_2D, factors);
     const columnsOf = (matrix) => [0, 1, 2].flatMap((column) => matrix.map((row) => row[column]));
+    if (textures.waves) {
+      bind("waves", gl.TEXTURE_2D, textures.waves);
+      gl.uniform1i(at("waveCount"), textures.waveCount);
+    }
+    if (scene.grain) {
+      const { matrix, offset, dims } = scene.grain;
+      bind("phases", gl.TEXTURE_3D, textures.phases);
+      bind("depths", gl.TEXTURE_3D, textures.depths);
+      gl.uniformMatrix3fv(at("toGrainNode"), false, columnsOf(matrix));
+      gl.uniform3fv(at("grainOffset"), offset);
+      gl.uniform3fv(at("grainCount"), dims);
+    }
     if (scene.waves) {
       const { matrix, offset, dims } = scene.waves.octave;
       bind("octave", gl.TEXTURE_3D, textures.octave);
-      bind("waves", gl.TEXTURE_2D, textures.waves);
-      gl.uniform1i(at("waveCount"), textures.waveCount);
       gl.uniform4fv(at("waveOrigin"), live.waveOrigin);
       gl.uniform1f(at("waveScale"), live.waveScale);
       gl.uniformMatrix3fv(at("toOctaveNode"), false, columnsOf(matrix));

@@ -93,13 +93,13 @@ function isAlongAxes(matrix) {
   return matrix.every((row, i) => row.every((value, j) => i === j ? value > 0 : Math.abs(value) < 1e-9));
 }
 
-// The description, the volume (a Uint16Array of half floats, or null) and further data for the shaders.
+// The description, the volumes (Uint16Arrays of half floats, or null) and further data for the shaders.
 // recipe: the recipe from which the scene was made.
-export function makeScene(description, volume, recipe) {
+export function makeScene(description, volume, grainVolume, recipe) {
   const logEscape = Math.log(description.escape), { exponent, occupancy } = description;
   const cubes = exponent ? (isAlongAxes(exponent.matrix) ? cubesOfExponent(exponent, volume, logEscape) : null)
     : occupancy ? cubesOfOccupancy(occupancy) : null;
-  return { ...description, volume, recipe: { ...recipe }, logEscape, cubes };
+  return { ...description, volume, grainVolume, recipe: { ...recipe }, logEscape, cubes };
 }
 
 const numbersIn = (text, count) => {
@@ -112,10 +112,12 @@ const numbersIn = (text, count) => {
 // The options that the shaders can apply before the server has made the scene; the others wait. Each function takes the
 // value in the recipe and the one from which the scene was made.
 export const LIVE_OPTIONS = ["iterations", "slice", "c", "power", "texture-scale", "texture-translate", "origin-shift"];
+// Whether the shaders apply such an option to a scene: the phases of a grain are made for one scale and one place.
+export function isApplied(name, scene) { return !(scene?.grain && ["texture-scale", "texture-translate"].includes(name)); }
 
 // The numbers of the orbit for another recipe: those of the scene if the recipes agree.
 export function liveValues(scene, recipe) {
-  const differs = (name) => (recipe[name] ?? "") !== (scene.recipe[name] ?? "");
+  const differs = (name) => isApplied(name, scene) && (recipe[name] ?? "") !== (scene.recipe[name] ?? "");
   const live = {
     iterations: scene.iterations, slice: scene.slice, logTrap: scene.logTrap, constant: scene.constant ?? null,
     power: scene.power ?? 8, factors: scene.factors ?? [], originShift: [0, 0, 0], exact: true,

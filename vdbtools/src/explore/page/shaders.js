@@ -138,19 +138,22 @@ float exponentAt(vec3 x) {
 }
 `;
 
-const WAVES = `
+const WAVE_FACTORS = `
 uniform sampler2D waves;  // four texels per wave: frequency, cosine, sine, and the power after the last wave of a factor
 uniform int waveCount;
-uniform vec4 waveOrigin;
-uniform float waveScale;
-uniform sampler3D octave;
-uniform mat3 toOctaveNode;
-uniform vec3 octaveOffset, octaveCount;
 
 vec4 unitOf(vec4 g) {
   float squared = dot(g, g);
   return squared > 1e-30 ? g * inversesqrt(squared) : vec4(1.0, 0.0, 0.0, 0.0);
 }
+`;
+
+const WAVES = `
+uniform vec4 waveOrigin;
+uniform float waveScale;
+uniform sampler3D octave;
+uniform mat3 toOctaveNode;
+uniform vec3 octaveOffset, octaveCount;
 
 vec4 versor_(vec4 q, vec4 unused) {
   vec3 node = clamp(toOctaveNode * (kept(q) + originShift) + octaveOffset, vec3(0.0), octaveCount - 1.0);
@@ -178,6 +181,44 @@ vec4 versor_(vec4 q, vec4 unused) {
     fineSum = vec4(0.0);
   }
   return unitOf(mix(coarse, fine, f * f * (3.0 - 2.0 * f)));
+}
+`;
+
+// Waves whose phases are read from fields: see julia/grain_versor.h.
+const GRAIN = `
+uniform sampler3D phases;  // cosine and sine of the phase along the grain, and of the one across it
+uniform sampler3D depths;  // from the surface, in wavelengths
+uniform mat3 toGrainNode;
+uniform vec3 grainOffset, grainCount;
+
+// The angle of a cosine and a sine, from -2 to 2 quadrants.
+float phaseOf(vec2 z) {
+  float quadrants = quadrantsOf(z.x, abs(z.y));
+  return z.y < 0.0 ? -quadrants : quadrants;
+}
+// How much a phase counts, from 0 to 1.
+float certaintyOf(vec2 z) {
+  float t = min(2.0 * dot(z, z), 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+vec4 versor_(vec4 q, vec4 unused) {
+  vec3 node = clamp(toGrainNode * (kept(q) + originShift) + grainOffset, vec3(0.0), grainCount - 1.0);
+  vec3 place = (node + 0.5) / grainCount;
+  vec4 read = textureLod(phases, place, 0.0);
+  vec3 angles = vec3(phaseOf(read.xy), phaseOf(read.zw), 4.0 * textureLod(depths, place, 0.0).r);
+  vec4 product_ = vec4(1.0, 0.0, 0.0, 0.0), sum = vec4(0.0);
+  for (int i = 0; i < waveCount; ++i) {
+    vec2 at = turned(dot(texelFetch(waves, ivec2(4 * i, 0), 0).xyz, angles));  // cosine, sine
+    sum += texelFetch(waves, ivec2(4 * i + 1, 0), 0) * at.x + texelFetch(waves, ivec2(4 * i + 2, 0), 0) * at.y;
+    int power = int(texelFetch(waves, ivec2(4 * i + 3, 0), 0).x);
+    if (power == 0) continue;
+    vec4 g = unitOf(sum);
+    if (power < 0) g.yzw = -g.yzw;
+    for (int times = 0; times < abs(power); ++times) product_ = product(product_, g);
+    sum = vec4(0.0);
+  }
+  return unitOf(mix(vec4(1.0, 0.0, 0.0, 0.0), product_, certaintyOf(read.xy) * certaintyOf(read.zw)));
 }
 `;
 
@@ -714,8 +755,8 @@ float depthAt(vec3 x) {
 export function fragmentShader(scene) {
   switch (scene.map) {
     case "shape-modulus":
-      return HEADER + PRODUCT + EXPONENT + (scene.waves ? WAVES : FACTORS + ROOTS_VERSOR) + SHAPE_STEP + LOG_POLAR_ORBIT +
-        DEPTH + RAYS;
+      return HEADER + PRODUCT + EXPONENT + (scene.grain ? WAVE_FACTORS + GRAIN : scene.waves ? WAVE_FACTORS + WAVES
+        : FACTORS + ROOTS_VERSOR) + SHAPE_STEP + LOG_POLAR_ORBIT + DEPTH + RAYS;
     case "rational":
       return HEADER + PRODUCT + FACTORS + RATIONAL_STEP + LOG_POLAR_ORBIT + DEPTH + RAYS;
     case "quadratic":

@@ -2,8 +2,9 @@
 // Sixteen looks around one: the values of a control, or neighbours in which several controls differ a little. The same
 // look always has the same neighbours.
 import { BY_GRADIENT, colourOf, colourText } from "./colours.js";
-import { chooseTexture, followsThickness, isRandomVersor, setSeed, UNCHANGED } from "./controls.js";
+import { chooseTexture, followsGrain, followsThickness, isRandomVersor, setSeed, UNCHANGED } from "./controls.js";
 import { GRADIENTS } from "./renderer.js";
+import { isApplied } from "./scene.js";
 
 export const CHOICES = 16;
 export const EVERYTHING = "everything";
@@ -20,6 +21,7 @@ const VARIATIONS = [
   { name: EVERYTHING, label: "A little of everything" },
   { name: "texture-seed", label: "Seeds" },
   { name: "frequency", label: "Frequency", low: 0.5, high: 6, log: true },
+  { name: "grain-turn", label: "Turn of the grain", low: -90, high: 90 },
   { name: "detail", label: "Detail", low: 0.05, high: 0.8 },
   { name: "outward", label: "Outward", low: 0, high: 0.45 },
   { name: "alpha", label: "Alpha", usual: 40, low: 4, high: 300, log: true },
@@ -36,6 +38,7 @@ const LITTLES = [
   { name: "detail", by: 0.2, low: 0.02, high: 1 },
   { name: "outward", by: 0.15, low: 0, high: 0.5 },
   { name: "frequency", by: 0.6, low: 0.3, high: 8, log: true },
+  { name: "grain-turn", by: 40, low: -90, high: 90 },
   { name: "alpha", by: 0.8, low: 1, high: 400, log: true },
   { name: "beta", by: 0.04, low: -0.2, high: 0.2 },
   { name: "texture-scale", by: 0.35, low: 0.2, high: 5, log: true, isLive: true },
@@ -67,6 +70,8 @@ export class Variations {
     const { options, isExported } = this.page;
     if (isExported) return this.isShown(name);
     if (name === "frequency") return followsThickness(this.page, recipe);
+    if (name === "grain-turn") return followsGrain(this.page, recipe);
+    if (name === "texture-translate" && followsGrain(this.page, recipe)) return false;
     if (name === "alpha" || name === "beta") return "alpha" in recipe && options.has(name, recipe);
     if (name === "detail" || name === "outward") return !("alpha" in recipe) && !("beta" in recipe) && options.has(name, recipe);
     if (name === "c") return this.now({ name }, recipe) !== null && options.has(name, recipe);
@@ -87,7 +92,10 @@ export class Variations {
     return VARIATIONS.filter(({ name }) => name === EVERYTHING ? this.littlesOf(recipe).length > 0 : this.has(name, recipe));
   }
 
-  isLive(name) { return this.page.isExported || VARIATIONS.some((one) => one.name === name && one.isLive); }
+  isLive(name) {
+    if (this.page.isExported) return true;
+    return VARIATIONS.some((one) => one.name === name && one.isLive) && isApplied(name, this.page.scene());
+  }
 
   littlesOf(recipe) {
     return LITTLES.filter((little) => this.has(little.name, recipe) && this.now(little, recipe) !== null);
