@@ -26,6 +26,7 @@ RECIPE = {
     "--texture-over": ("r.json", ("--texture-over", "r.json")),
     "--config": ("list.txt", ("--config", "list.txt")),
     "--texture-mix": ("p.png", ("--texture-over", "rings", "--texture-mix", "texture:p.png:0:1")),
+    "--grain-turn": ("p.png", ("--grain", "along", "--grain-turn", "texture:p.png:0:90")),
     "--mask": ("p.png", ("--mask", "texture:p.png:0:1")),
     "--detail": ("c.obj", ("--detail", "near:c.obj:0.2:0.1:0.6")),
     "--outward": ("c.ply", ("--outward", "paint:red@c.ply:0:1")),

@@ -28,6 +28,7 @@ ORDER = [
     "vdbtools/repair",
     "vdbtools/control",
     "vdbtools/exponent",
+    "vdbtools/grain",
     "vdbtools/target",
     "vdbtools/field",
     "vdbtools/surface",

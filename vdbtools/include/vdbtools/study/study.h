@@ -65,7 +65,7 @@ struct GrainStrokes {
   std::vector<VertexColumn> columns;  ///< colours by the local thickness, and the direction as the vector "grain"
   std::vector<float> values;          ///< of the columns, row by row
   std::size_t points = 0;
-  std::size_t singular = 0;             ///< places about which the direction turns as a whole
+  std::size_t singular = 0;  ///< places about which the direction turns as a whole
   /// The share of the points where the waves along the grain are as long as is wanted, within a factor of 1.5; and
   /// across it.
   std::pair<double, double> inStep;
