@@ -241,11 +241,7 @@ const OptionRows<julia::Embedding>& embeddingRows() {
 
 std::vector<OptionSpec> embeddingOptions() { return embeddingRows().specs(); }
 
-julia::Embedding parseEmbedding(const RecipeReader& reader) {
-  julia::Embedding embedding;
-  embeddingRows().read(reader, embedding);
-  return embedding;
-}
+julia::Embedding parseEmbedding(const RecipeReader& reader) { return embeddingRows().read(reader); }
 
 julia::Embedding parseSpatialEmbedding(const RecipeReader& reader) {
   // Recipes hold the two options for every map, at their defaults.
@@ -349,11 +345,7 @@ std::vector<OptionSpec> rootsOptions() {
   return options;
 }
 
-julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
-  julia::RandomRootsOptions options;
-  randomRootsRows().read(reader, options);
-  return options;
-}
+julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) { return randomRootsRows().read(reader); }
 
 namespace {
 

@@ -63,6 +63,12 @@ class OptionRows {
   void read(const RecipeReader& reader, Options& options) const {
     for (const Row& row : mRows) row.read(reader, options);
   }
+  /// The same into new options.
+  Options read(const RecipeReader& reader) const {
+    Options options;
+    read(reader, options);
+    return options;
+  }
 
  private:
   std::vector<Row> mRows;
@@ -242,6 +248,14 @@ auto parsedBy(Parse parse, OptionType type = {}) {
   return RowValue{
       type, option_rows::noDefault,
       [parse](const RecipeReader& reader, const std::string& name, auto& options) { parse(reader, name, options); }};
+}
+
+/// The value that @a parse makes of the reader and the option's name.
+template <class Member, class Parse>
+auto parsed(Member member, Parse parse, OptionType type = {}) {
+  return parsedBy([member, parse](const RecipeReader& reader, const std::string& name,
+                                  auto& options) { std::invoke(member, options) = parse(reader, name); },
+                  std::move(type));
 }
 
 /// An option that the room reads by a rule between several options. @param words  accepted besides numbers

@@ -113,9 +113,7 @@ const OptionRows<Look>& lookRows() {
         .help = "what the surface is made of: " + materialNames() +
                 "; or a colour such as #c08040 or 0.8,0.5,0.2, followed by :matt, :satin (as without), :glossy or "
                 ":metal. The colours of a mesh's points take the place of the material's"},
-       parsedBy([](const RecipeReader& reader, const std::string& name, Look& look) {
-         look.material = parseMaterial(reader, name);
-       })},
+       parsed(&Look::material, parseMaterial)},
       {{.name = "light",
         .argument = "AZ,EL",
         .defaultValue = numbersText({Look{}.keyAzimuth, Look{}.keyElevation}),
@@ -148,8 +146,7 @@ std::string materialNames() {
 std::vector<OptionSpec> lookOptionSpecs() { return lookRows().specs(); }
 
 Look parseLook(const RecipeReader& reader) {
-  Look look;
-  lookRows().read(reader, look);
+  const Look look = lookRows().read(reader);
   if (look.ground && !(look.keyElevation > 0))
     throw std::invalid_argument("--light " + reader.text("light") +
                                 " is below the floor of --ground, which would hide all; raise it above 0 degrees, or "

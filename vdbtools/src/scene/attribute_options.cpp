@@ -107,9 +107,8 @@ const OptionRows<AttributeOptions>& attributeRows() {
                 names + " (docs/attributes.md)",
         .idle = noPoints},
        withoutDefault(list<PointAttribute>(&AttributeOptions::computed, attributeNames()))},
-      {colour, parsedBy([](const RecipeReader& reader, const std::string&, AttributeOptions& options) {
-         options.colour = parseColour(reader);
-       })},
+      {colour, parsed(&AttributeOptions::colour,
+                      [](const RecipeReader& reader, const std::string&) { return parseColour(reader); })},
       {{.name = "transfer",
         .argument = "LIST",
         .help = "what is carried over from the target's nearest point: a list of uv (texture coordinates), Cd (painted "
@@ -128,8 +127,7 @@ bool AttributeOptions::has(PointAttribute attribute) const {
 std::vector<OptionSpec> attributeOptionSpecs() { return attributeRows().specs(); }
 
 AttributeOptions parseAttributeOptions(const RecipeReader& reader) {
-  AttributeOptions options;
-  attributeRows().read(reader, options);
+  AttributeOptions options = attributeRows().read(reader);
   // A colour is chosen to be seen, unless the files have another one.
   const std::vector<std::string>& names = options.transferred;
   if (options.colour && !options.has(PointAttribute::Cd) && std::find(names.begin(), names.end(), "Cd") == names.end())

@@ -109,8 +109,7 @@ const OptionRows<SpaceOptions>& spaceRows() {
 std::vector<OptionSpec> spaceOptionSpecs() { return spaceRows().specs(); }
 
 SpaceOptions parseSpaceOptions(const RecipeReader& reader) {
-  SpaceOptions options;
-  spaceRows().read(reader, options);
+  const SpaceOptions options = spaceRows().read(reader);
   if (options.near && options.origin != OriginKind::Auto)
     throw std::invalid_argument("--origin-near is for --origin auto, but --origin is '" + reader.text("origin") +
                                 "'; give only one of them");

@@ -286,8 +286,7 @@ const OptionRows<AnimationOptions>& animationRows() {
 
 /// The moment that a recipe names. @param input  empty if there is no target
 std::optional<MeshMoment> parseMomentOptions(const RecipeReader& reader, const std::filesystem::path& input) {
-  AnimationOptions options;
-  animationRows().read(reader, options);
+  const AnimationOptions options = animationRows().read(reader);
   if (!options.frame || input.empty()) return std::nullopt;
   if (!mayBeAnimated(input))
     throw std::invalid_argument("--target-frame is for an animated glTF, and '" + input.string() +
@@ -309,9 +308,8 @@ const OptionRows<TargetOptions>& targetRows() {
         .argument = "MESH|SDF.vdb",
         .help = "the target: a mesh, or a VDB that holds its signed distance or a volume",
         .hash = "source-sha256"},
-       parsedBy([](const RecipeReader& reader, const std::string& name, TargetOptions& options) {
-         options.input = reader.file(name);
-       })},
+       parsed(&TargetOptions::input,
+              [](const RecipeReader& reader, const std::string& name) { return reader.file(name); })},
       {{.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
        text(&TargetOptions::grid)},
       {{.name = "sdf-resolution",
