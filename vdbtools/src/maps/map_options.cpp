@@ -2,8 +2,8 @@
 #include "vdbtools/maps/map_options.h"
 
 #include "recipe/option_rows.h"
-#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/text.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/maps/versor_options.h"

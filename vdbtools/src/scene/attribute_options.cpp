@@ -98,13 +98,11 @@ const OptionRows<AttributeOptions>& attributeRows() {
   colour.idle = idleByAny({idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb, Product::Picture},
                                        "the points of a mesh or a VDB, or a picture of the map"),
                            idleColour});
-  std::string names;
-  for (const std::string& name : wordsOf(attributeNames())) names += (names.empty() ? "" : ", ") + name;
   static const OptionRows<AttributeOptions> rows{
       {{.name = "attributes",
         .argument = "LIST",
         .help = "what the vertices of the mesh carry and, by the same names, the voxels of the VDB: a list of " +
-                names + " (docs/attributes.md)",
+                joined(wordsOf(attributeNames())) + " (docs/attributes.md)",
         .idle = noPoints},
        withoutDefault(list<PointAttribute>(&AttributeOptions::computed, attributeNames()))},
       {colour, parsed(&AttributeOptions::colour,

@@ -2,7 +2,7 @@
 #include "vdbtools/target/space_options.h"
 
 #include "recipe/option_rows.h"
-#include "repair/solid_input.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/distance/target.h"
 #include "vdbtools/target/target_survey.h"
 

@@ -3,12 +3,12 @@
 
 #include "base/elementary.h"
 #include "base/lattice_transform.h"
-#include "base/up_to_tens.h"
 #include "distance/band_growth.h"
 #include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
 #include "distance/united_parts.h"
 #include "repair/solid_input.h"
+#include "vdbtools/base/voxel_choice.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
