@@ -10,7 +10,7 @@
 #include "julia/quaternion_batch.h"
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
-#include "julia/reference.h"
+#include "support/reference.h"
 
 #include <benchmark/benchmark.h>
 

@@ -4,10 +4,10 @@
 #include "julia/evaluator.h"
 #include "julia/random_roots.h"
 #include "julia/rational_map.h"
-#include "julia/reference.h"
-#include "julia/reference_waves.h"
 #include "julia/shape_modulus.h"
 #include "julia/wave_versor.h"
+#include "support/reference.h"
+#include "support/reference_waves.h"
 
 #include <boost/multiprecision/float128.hpp>
 

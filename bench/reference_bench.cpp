@@ -5,7 +5,7 @@
 // the target's distance field nor the triangles are in it.
 #include "bench_scene.h"
 
-#include "julia/reference.h"
+#include "support/reference.h"
 
 #include <openvdb/tools/Interpolation.h>
 

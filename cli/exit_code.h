@@ -3,6 +3,8 @@
 /// The program's exit statuses, which follow sysexits.h where possible.
 #pragma once
 
+#include <set>
+
 namespace cli {
 
 enum ExitCode {
@@ -15,5 +17,13 @@ enum ExitCode {
   kInputOutput = 74,   ///< reading or writing failed midway
   kInterrupted = 75,   ///< stopped by a signal, or the disk of another machine did not answer; try again
 };
+
+/// The exit code of a command whose tasks have failed with several codes.
+/// Failures that will occur again in the same way come first, and those that may not occur again come last.
+inline int gravestCode(const std::set<int>& codes) {
+  for (const int code : {kInternal, kUsage, kBadData, kNoInput, kCannotCreate, kInputOutput})
+    if (codes.contains(code)) return code;
+  return kInterrupted;
+}
 
 }  // namespace cli

@@ -71,8 +71,8 @@ class CommandLine {
     return vdbtools::parseInteger<Integer>(name, text(name), low, high);
   }
   template <class Value>
-  Value choice(const std::string& name, std::initializer_list<std::pair<const char*, Value>> choices) const {
-    return vdbtools::parseChoice<Value>(name, text(name), choices);
+  Value choice(const std::string& name, const vdbtools::Choices<Value>& choices) const {
+    return vdbtools::chosen<Value>(name, text(name), choices);
   }
   /// @param wanted  what follows "it must be"
   [[noreturn]] void refuse(const std::string& name, const std::string& wanted) const {

@@ -99,9 +99,8 @@ void Outputs::commit(bool isAll) {
 }
 
 std::string Outputs::names() const {
-  std::string names;
-  for (const vdbtools::AtomicFile& file : mFiles.files()) names += (names.empty() ? "" : ", ") + file.target().string();
-  return names;
+  return vdbtools::joined(mFiles.files(), ", ",
+                          [](const vdbtools::AtomicFile& file) { return file.target().string(); });
 }
 
 void requireFramePlaces(const CommandLine& line, vdbtools::InputFiles inputs, std::span<const char* const> options,
@@ -130,10 +129,8 @@ void noteLeftOut(const std::filesystem::path& file, std::span<const vdbtools::Ve
   const std::vector<std::string> names = vdbtools::columnsLeftOut(*format, columns);
   if (names.empty()) return;
   const bool grids = format->writesGrids;
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   report().text() << "note: " << file.string() << " holds no "
-                  << (names.size() == columns.size() && !grids ? "attributes" : list)
+                  << (names.size() == columns.size() && !grids ? "attributes" : vdbtools::joined(names))
                   << (grids ? "" : "; a PLY holds all") << '\n';
 }
 
@@ -155,6 +152,19 @@ std::optional<int> parseFrame(const std::string& text) {
   const std::optional<int> frame = vdbtools::wholeFromText<int>(text);
   if (!frame) throw std::invalid_argument("--frame is '" + text + "'; it must be a whole number");
   return frame;
+}
+
+std::set<vdbtools::Product> productsOf(const CommandLine& line) {
+  std::vector<std::string> extensions;
+  if (line.has("output")) extensions.push_back(formatOf(line.text("output"), ".vdb"));
+  if (line.has("mesh")) extensions.push_back(formatOf(line.text("mesh"), ".ply"));
+  return vdbtools::productsOf(extensions);
+}
+
+std::set<vdbtools::Product> productsOf(const std::vector<std::string>& makes) {
+  std::vector<std::string> extensions;
+  for (const std::string& format : makes) extensions.push_back('.' + format);
+  return vdbtools::productsOf(extensions);
 }
 
 }  // namespace cli

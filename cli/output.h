@@ -8,11 +8,13 @@
 #include "vdbtools/files/file_format.h"
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/mesh/mesh_sink.h"
+#include "vdbtools/recipe/option_table.h"
 
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <ostream>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -75,5 +77,10 @@ void tellCrumbs(const vdbtools::CrumbReport& dropped, double voxelSize, std::opt
 
 /// The value of an option --frame. @throw std::invalid_argument
 std::optional<int> parseFrame(const std::string& text);
+
+/// The products of -o and --mesh.
+std::set<vdbtools::Product> productsOf(const CommandLine& line);
+/// The products of --make, a list of formats.
+std::set<vdbtools::Product> productsOf(const std::vector<std::string>& makes);
 
 }  // namespace cli

@@ -2,107 +2,71 @@
 #include "overall_share.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 namespace cli {
-namespace {
 
-using vdbtools::PhaseKind;
-
-// The weights are roughly hundredths of a run on the bunny with 200 to 400 voxels along its longest side.
-
-// The tables are constexpr, because a failed allocation before main() could not be reported.
-
-/// Combines the phases that make a target and its exponent with further ones.
-template <std::size_t N>
-constexpr std::array<PhaseWeight, N + 9> scenePhases(const PhaseWeight (&others)[N]) {
-  std::array<PhaseWeight, N + 9> phases = {{{PhaseKind::Reading, 2},
-                                            {PhaseKind::Thickening, 8},
-                                            {PhaseKind::ClosingGaps, 20},
-                                            {PhaseKind::Sides, 5},
-                                            {PhaseKind::DistanceField, 12},
-                                            {PhaseKind::LocalThickness, 3},
-                                            {PhaseKind::WideningTheBand, 5},
-                                            {PhaseKind::Exponent, 5},
-                                            {PhaseKind::Grain, 5}}};
-  std::copy(others, others + N, phases.begin() + 9);
-  return phases;
-}
-
-constexpr PhaseWeight kSdf[] = {{PhaseKind::Reading, 2}, {PhaseKind::Thickening, 20}, {PhaseKind::ClosingGaps, 40},
-                                {PhaseKind::Sides, 15},  {PhaseKind::Surface, 10},    {PhaseKind::DistanceField, 35},
-                                {PhaseKind::Signs, 2},   {PhaseKind::Writing, 8}};
-constexpr auto kFractal = scenePhases({{PhaseKind::Proofs, 5},
-                                       {PhaseKind::Field, 15},
-                                       {PhaseKind::Seeds, 1},
-                                       {PhaseKind::FollowingTheSurface, 15},
-                                       {PhaseKind::Islands, 3},
-                                       {PhaseKind::Surface, 45},
-                                       {PhaseKind::Adapting, 30},
-                                       {PhaseKind::LevelSet, 5},
-                                       {PhaseKind::Versor, 5},
-                                       {PhaseKind::Attributes, 5},
-                                       {PhaseKind::Writing, 5},
-                                       {PhaseKind::Checking, 1}});
-constexpr auto kPoints = scenePhases({{PhaseKind::Proofs, 5},
-                                      {PhaseKind::Field, 15},
-                                      {PhaseKind::Surface, 15},
-                                      {PhaseKind::Points, 20},
-                                      {PhaseKind::Gaps, 10},
-                                      {PhaseKind::Elimination, 10},
-                                      {PhaseKind::Writing, 2}});
-constexpr auto kPrint = scenePhases({{PhaseKind::Proofs, 5},
-                                     {PhaseKind::Field, 15},
-                                     {PhaseKind::Surface, 15},
-                                     {PhaseKind::Islands, 2},
-                                     {PhaseKind::Thickness, 20},
-                                     {PhaseKind::ThinParts, 10},
-                                     {PhaseKind::Adapting, 10},
-                                     {PhaseKind::Writing, 2}});
-constexpr auto kPlan = scenePhases({{PhaseKind::Sample, 100}});
-constexpr PhaseWeight kMerge[] = {{PhaseKind::Checking, 10}, {PhaseKind::Merging, 60},   {PhaseKind::MergingGrids, 20},
-                                  {PhaseKind::Versor, 5},    {PhaseKind::Attributes, 5}, {PhaseKind::Writing, 10}};
-constexpr auto kExplore = scenePhases({{PhaseKind::Writing, 5}});
-constexpr auto kSlice = scenePhases({{PhaseKind::Slice, 20}, {PhaseKind::Writing, 5}});
-constexpr auto kStudy = scenePhases(
-    {{PhaseKind::Distances, 5}, {PhaseKind::FirstVersor, 2}, {PhaseKind::Versors, 60}, {PhaseKind::Writing, 2}});
-constexpr auto kRender = scenePhases({{PhaseKind::RayTree, 5}, {PhaseKind::Render, 60}, {PhaseKind::Writing, 2}});
-/// For one cell; a cell that shows the field has only the last of these.
-constexpr auto kSheet = scenePhases({{PhaseKind::Proofs, 5},
-                                     {PhaseKind::Field, 15},
-                                     {PhaseKind::Islands, 3},
-                                     {PhaseKind::Surface, 15},
-                                     {PhaseKind::Adapting, 10},
-                                     {PhaseKind::RayTree, 5},
-                                     {PhaseKind::Render, 60},
-                                     {PhaseKind::Writing, 2}});
-constexpr PhaseWeight kConvert[] = {{PhaseKind::Reading, 50}, {PhaseKind::Writing, 50}};
-constexpr PhaseWeight kUsd[] = {{PhaseKind::Reading, 80}, {PhaseKind::Writing, 20}};
-constexpr PhaseWeight kFit[] = {{PhaseKind::Reading, 1},         {PhaseKind::Thickening, 3},
-                                {PhaseKind::Sides, 2},           {PhaseKind::DistanceField, 3},
-                                {PhaseKind::Surface, 2},         {PhaseKind::Distances, 5},
-                                {PhaseKind::Electrostatics, 10}, {PhaseKind::Monopoles, 5},
-                                {PhaseKind::Potential, 5},       {PhaseKind::Fit, 60},
-                                {PhaseKind::Measure, 10},        {PhaseKind::Writing, 1}};
-
-}  // namespace
-
-std::span<const PhaseWeight> phasesOf(std::string_view command) {
-  if (command == "sdf") return kSdf;
-  if (command == "fractal" || command == "mesh" || command == "task") return kFractal;
-  if (command == "points") return kPoints;
-  if (command == "print") return kPrint;
-  if (command == "plan") return kPlan;
-  if (command == "merge") return kMerge;
-  if (command == "explore") return kExplore;
-  if (command == "slice") return kSlice;
-  if (command == "study") return kStudy;
-  if (command == "render") return kRender;
-  if (command == "sheet") return kSheet;
-  if (command == "fit") return kFit;
-  if (command == "usd") return kUsd;
-  if (command == "convert") return kConvert;
+std::vector<PhaseWeight> phasesOf(std::string_view command) {
+  using enum vdbtools::PhaseKind;
+  const std::vector<PhaseWeight> scene{{Reading, 2},         {Thickening, 8},     {ClosingGaps, 20},
+                                       {Sides, 5},           {DistanceField, 12}, {LocalThickness, 3},
+                                       {WideningTheBand, 5}, {Exponent, 5},       {Grain, 5}};
+  // Behind the phases that make a target and its exponent.
+  const auto ofScene = [&](std::vector<PhaseWeight> others) {
+    others.insert(others.begin(), scene.begin(), scene.end());
+    return others;
+  };
+  // Hundredths of a run, roughly, on the bunny with 200 to 400 voxels along its longest side.
+  if (command == "sdf")
+    return {{Reading, 2},  {Thickening, 20},    {ClosingGaps, 40}, {Sides, 15},
+            {Surface, 10}, {DistanceField, 35}, {Signs, 2},        {Writing, 8}};
+  if (command == "fractal" || command == "mesh" || command == "task")
+    return ofScene({{Proofs, 5},
+                    {Field, 15},
+                    {Seeds, 1},
+                    {FollowingTheSurface, 15},
+                    {Islands, 3},
+                    {Surface, 45},
+                    {Adapting, 30},
+                    {LevelSet, 5},
+                    {Versor, 5},
+                    {Attributes, 5},
+                    {Writing, 5},
+                    {Checking, 1}});
+  if (command == "points")
+    return ofScene(
+        {{Proofs, 5}, {Field, 15}, {Surface, 15}, {Points, 20}, {Gaps, 10}, {Elimination, 10}, {Writing, 2}});
+  if (command == "print")
+    return ofScene({{Proofs, 5},
+                    {Field, 15},
+                    {Surface, 15},
+                    {Islands, 2},
+                    {Thickness, 20},
+                    {ThinParts, 10},
+                    {Adapting, 10},
+                    {Writing, 2}});
+  if (command == "plan") return ofScene({{Sample, 100}});
+  if (command == "merge")
+    return {{Checking, 10}, {Merging, 60}, {MergingGrids, 20}, {Versor, 5}, {Attributes, 5}, {Writing, 10}};
+  if (command == "explore") return ofScene({{Writing, 5}});
+  if (command == "slice") return ofScene({{Slice, 20}, {Writing, 5}});
+  if (command == "study") return ofScene({{Distances, 5}, {FirstVersor, 2}, {Versors, 60}, {Writing, 2}});
+  if (command == "render") return ofScene({{RayTree, 5}, {Render, 60}, {Writing, 2}});
+  // For one cell; a cell that shows the field has only the last of these.
+  if (command == "sheet")
+    return ofScene({{Proofs, 5},
+                    {Field, 15},
+                    {Islands, 3},
+                    {Surface, 15},
+                    {Adapting, 10},
+                    {RayTree, 5},
+                    {Render, 60},
+                    {Writing, 2}});
+  if (command == "fit")
+    return {{Reading, 1},         {Thickening, 3}, {Sides, 2},     {DistanceField, 3}, {Surface, 2},  {Distances, 5},
+            {Electrostatics, 10}, {Monopoles, 5},  {Potential, 5}, {Fit, 60},          {Measure, 10}, {Writing, 1}};
+  if (command == "usd") return {{Reading, 80}, {Writing, 20}};
+  if (command == "convert") return {{Reading, 50}, {Writing, 50}};
   return {};
 }
 

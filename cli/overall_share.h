@@ -8,8 +8,9 @@
 #include "vdbtools/base/monitor.h"
 
 #include <cstddef>
-#include <span>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace cli {
 
@@ -20,12 +21,11 @@ struct PhaseWeight {
 
 /// The phases of a command in their order, with their weights; empty for a command without phases. @param command  its
 /// name, such as "fractal"
-std::span<const PhaseWeight> phasesOf(std::string_view command);
+std::vector<PhaseWeight> phasesOf(std::string_view command);
 
 class OverallShare {
  public:
-  /// @param phases  must outlive this
-  explicit OverallShare(std::span<const PhaseWeight> phases) : mPhases(phases) {}
+  explicit OverallShare(std::vector<PhaseWeight> phases) : mPhases(std::move(phases)) {}
 
   /// @param phase  if it belongs to one of several pieces of the work (NumberedMonitor), all pieces count equally
   void begin(const vdbtools::Phase& phase);
@@ -37,7 +37,7 @@ class OverallShare {
  private:
   double ofPiece(double fraction) const;
 
-  std::span<const PhaseWeight> mPhases;
+  std::vector<PhaseWeight> mPhases;
   std::size_t mNext = 0;          ///< index of the phase after the current one
   double mDone = 0, mWeight = 0;  ///< weights of the earlier phases, and of the current one
   std::size_t mNumber = 0,

@@ -8,7 +8,6 @@
 #include "vdbtools/records/recorded_recipe.h"
 
 #include "julia/cartesian_map.h"
-#include "julia/log_polar.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,7 +76,7 @@ class PowerSettings final : public MapSettings {
   std::optional<double> radius() const override {
     double radius = orbit().escapeRadius;
     for (int i = 0; i < orbit().maxIterations; ++i)
-      radius = std::min(radius, std::pow(radius + std::exp(julia::logNorm(mC)), 1.0 / mPower));
+      radius = std::min(radius, std::pow(radius + std::sqrt(julia::normSquared(mC)), 1.0 / mPower));
     return radius;
   }
   std::shared_ptr<const MapInstance> instance(const MapContext&) const override {

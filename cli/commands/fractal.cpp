@@ -6,7 +6,6 @@
 #include "options.h"
 #include "output.h"
 #include "plan.h"
-#include "products.h"
 #include "report.h"
 #include "scene_recipe.h"
 #include "sequence.h"
@@ -84,12 +83,6 @@ void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& 
                   << (scene.shellOptions().detail ? "a smaller --detail, a larger --outward"
                                                   : "--detail instead of --alpha, a larger --alpha or --beta")
                   << ", or --origin auto\n";
-}
-
-std::string joined(const std::vector<std::string>& parts) {
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
-  return text;
 }
 
 /// A sentence about the part of the surface that may be missing.
@@ -184,7 +177,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const 
   if (scene.target)
     if (const std::vector<std::string> unused = vdbtools::unusedParts(scene.target->parts, line.recipe());
         !unused.empty())
-      report().text() << "not used of the target: " << joined(unused) << '\n';
+      report().text() << "not used of the target: " << vdbtools::joined(unused) << '\n';
   tellTarget(scene.metadata);
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "

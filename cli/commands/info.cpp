@@ -261,9 +261,8 @@ std::string valueText(const Json& value, bool isPlace = false) {
   if (value.is_number_float()) return numberText(value.get<double>(), isPlace);
   if (!value.is_array()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
   constexpr std::size_t kAxes = 3;
-  std::string text;
-  for (const Json& element : value) text += (text.empty() ? "" : ", ") + valueText(element, value.size() == kAxes);
-  return '[' + text + ']';
+  return '[' + vdbtools::joined(value, ", ", [&](const Json& each) { return valueText(each, value.size() == kAxes); }) +
+         ']';
 }
 
 void print(const Json& info, int indent) {

@@ -187,8 +187,7 @@ int runMan(const Arguments& arguments) {
   line.addPositional("command", -1, "the command");
   line.addOptions()("output,o", po::value<std::string>()->value_name("DIR"), "a folder for the pages of all commands");
   if (!line.parse(arguments)) return kDone;
-  std::string wanted;
-  for (const std::string& word : line.texts("command")) wanted += (wanted.empty() ? "" : " ") + word;
+  const std::string wanted = vdbtools::joined(line.texts("command"), " ");
   if (line.has("output")) {
     if (!wanted.empty()) throw std::invalid_argument("-o writes the pages of all commands; leave '" + wanted + "' out");
     writePages(line.text("output"));

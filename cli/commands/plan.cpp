@@ -44,7 +44,7 @@ void addVariantOptions(CommandLine& line) {
   const auto text = [](const char* name) { return po::value<std::string>()->value_name(name); };
   line.addOptions()("output,o", text("DIR"), "the folder of the plan, which is new or empty")(
       "make", text("LIST")->default_value("vdb"),
-      ("what each task makes, a list of " + vdbtools::writtenFormatsText()).c_str())(
+      ("what each task makes, a list of " + vdbtools::joined(vdbtools::writtenFormats())).c_str())(
       "name", text("NAME"),
       "what the files are called: DIR/out/NAME.0001.vdb (default: after the target or the sheet)");
 }

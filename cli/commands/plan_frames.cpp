@@ -3,7 +3,7 @@
 
 #include "exit_code.h"
 #include "options.h"
-#include "products.h"
+#include "output.h"
 #include "report.h"
 #include "scene_recipe.h"
 

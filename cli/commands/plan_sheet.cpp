@@ -3,7 +3,7 @@
 
 #include "exit_code.h"
 #include "options.h"
-#include "products.h"
+#include "output.h"
 
 #include "vdbtools/farm/plans.h"
 #include "vdbtools/scene/fractal_options.h"

@@ -4,7 +4,7 @@
 #include "child_process.h"
 #include "exit_code.h"
 #include "options.h"
-#include "products.h"
+#include "output.h"
 #include "report.h"
 #include "target_text.h"
 
@@ -108,7 +108,7 @@ int runPlanTiles(const Arguments& arguments) {
       "tiles", text("N"), "how many tiles (default: 16)")("tile-nodes", text("K"),
                                                           "or the nodes along the side of a tile")(
       "make", text("LIST")->default_value("vdb,ply"),
-      ("what is to be merged, a list of " + vdbtools::writtenFormatsText() +
+      ("what is to be merged, a list of " + vdbtools::joined(vdbtools::writtenFormats()) +
        "; or count, to make and count the triangles without keeping them")
           .c_str())("estimate", po::bool_switch(),
                     "makes a random sample of the tiles and tells what all of them will take")(

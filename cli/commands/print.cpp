@@ -98,8 +98,8 @@ vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtool
   else
     options.scale = kMillimetres * metresOf(*unit);
   if (reader.has("min-thickness")) options.minThickness = length("min-thickness");
-  options.thin = reader.choice<vdbtools::ThinParts>(
-      "thin", {{"thicken", vdbtools::ThinParts::Thicken}, {"drop", vdbtools::ThinParts::Drop}});
+  options.thin = vdbtools::chosen<vdbtools::ThinParts>(
+      "thin", reader.text("thin"), {{"thicken", vdbtools::ThinParts::Thicken}, {"drop", vdbtools::ThinParts::Drop}});
   if (line.has("thin") && !options.minThickness)
     throw std::invalid_argument("--thin can be used with --min-thickness only");
   if (reader.has("flat-base")) options.flatBase = length("flat-base");

@@ -4,7 +4,6 @@
 #include "exit_code.h"
 #include "options.h"
 #include "output.h"
-#include "render_mesh.h"
 #include "report.h"
 #include "scene_recipe.h"
 #include "sequence.h"
@@ -15,6 +14,8 @@
 #include "vdbtools/files/frames.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/formats/versor_file.h"
+#include "vdbtools/mesh/mesh.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/mesh_files/mesh_writer.h"
 #include "vdbtools/records/recorded_recipe.h"
 #include "vdbtools/render/look.h"
@@ -31,6 +32,7 @@
 #include <ostream>
 #include <set>
 #include <sstream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -38,6 +40,20 @@ namespace po = boost::program_options;
 
 namespace cli {
 namespace {
+
+/// Whether an input is a mesh and not a VDB.
+bool isMesh(const std::string& input) { return !input.empty() && !vdbtools::isVdbPath(input); }
+
+/// The picture of a mesh.
+/// @throw std::invalid_argument  a value of --colour that a mesh does not have; what reading the mesh throws
+vdbtools::ShadedImage imageOfMesh(const CommandLine& line, const std::string& input,
+                                  const vdbtools::PreviewOptions& picture, vdbtools::Monitor& monitor) {
+  if (line.has("colour") && line.text("colour") != "clay")
+    line.refuse("colour", "clay for a mesh, or left out for the colours that the mesh itself has");
+  monitor.begin(vdbtools::PhaseKind::Reading, 0);
+  vdbtools::Mesh mesh = vdbtools::readMesh(input);
+  return vdbtools::renderMeshPreview(std::move(mesh), {.picture = picture, .colours = !line.has("colour")}, monitor);
+}
 
 constexpr Usage kRenderUsage = {
     "render",

@@ -2,7 +2,6 @@
 #include "commands.h"
 
 #include "exit_code.h"
-#include "gravest_code.h"
 #include "options.h"
 #include "report.h"
 

@@ -4,7 +4,6 @@
 #include "child_process.h"
 #include "exit_code.h"
 #include "failure.h"
-#include "gravest_code.h"
 #include "interruption.h"
 #include "merge_request.h"
 #include "options.h"
@@ -159,9 +158,9 @@ std::string slurmScript(const Submission& s) {
 
 /// The option by which GNU parallel replaces {device}: the slots get the devices in turn.
 std::string devicesBySlot(const std::vector<int>& devices) {
-  std::string list;
-  for (const int device : devices) list += (list.empty() ? "" : ",") + std::to_string(device);
-  return " --rpl '{device} $_ = (" + list + ")[($job->slot() - 1) % " + std::to_string(devices.size()) + "]'";
+  const auto textOf = [](int device) { return std::to_string(device); };
+  return " --rpl '{device} $_ = (" + vdbtools::joined(devices, ",", textOf) + ")[($job->slot() - 1) % " +
+         std::to_string(devices.size()) + "]'";
 }
 
 std::string parallelScript(const Submission& s) {

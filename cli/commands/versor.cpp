@@ -164,10 +164,8 @@ void list(bool asJson) {
 /// Refuses options that do not belong to the action.
 void requireAction(const CommandLine& line, const std::string& action) {
   const auto isFor = [&](std::initializer_list<const char*> names, std::initializer_list<const char*> actions) {
-    std::string list;
-    for (const char* one : actions) list += (list.empty() ? "" : ", ") + std::string(one);
     line.requireUse(std::find(actions.begin(), actions.end(), action) != actions.end(), names,
-                    "it is for 'versor " + list + "'; leave it out");
+                    "it is for 'versor " + vdbtools::joined(actions) + "'; leave it out");
   };
   isFor({"output"}, {"new", "add", "scale", "translate"});
   for (const vdbtools::OptionSpec& option : newRootsSpecs()) isFor({option.name.c_str()}, {"new"});

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file careful.h
-/// Evaluation of one quaternion at a time where squares would leave the range of Real, which the kernels leave out.
-/// Like the kernels, it uses no functions that a C library may compute differently on another processor.
+/// Evaluation of one quaternion at a time where squares would leave the range of Real, which the kernels leave out, in
+/// log-polar form: ln|q| and the versor q/|q|. Like the kernels, it uses no functions that a C library may compute
+/// differently on another processor.
 #pragma once
 
 #include "julia/quaternion.h"
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace julia::careful {
@@ -47,6 +49,19 @@ Quaternion<Real> versorOf(const Quaternion<Real>& q) {
   int exponent = 0;
   const Quaternion<Real> near = broughtNearOne(q, exponent);
   return near * (1 / std::sqrt(normSquared(near)));
+}
+
+/// u^n by repeated squaring; a negative n conjugates.
+template <class Real>
+Quaternion<Real> versorPower(const Quaternion<Real>& u, std::int64_t n) {
+  Quaternion<Real> base = n < 0 ? conjugate(u) : u;
+  Quaternion<Real> result = Quaternion<Real>::one();
+  for (std::uint64_t rest = n < 0 ? 0 - static_cast<std::uint64_t>(n) : static_cast<std::uint64_t>(n); rest != 0;
+       rest >>= 1) {
+    if (rest & 1) result = result * base;
+    base = base * base;
+  }
+  return result;
 }
 
 }  // namespace julia::careful

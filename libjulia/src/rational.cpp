@@ -140,7 +140,7 @@ Quaternion<Real> differenceTo(const kernels::RootFactor<Real>& factor, const Qua
 template <class Real>
 Quaternion<Real> unitPower(const Quaternion<Real>& u, const kernels::RootFactor<Real>& factor) {
   if (factor.method != PowerMethod::Angle)
-    return versorPower(factor.power < 0 ? conjugate(u) : u, static_cast<std::int64_t>(factor.integer));
+    return careful::versorPower(factor.power < 0 ? conjugate(u) : u, static_cast<std::int64_t>(factor.integer));
   Quaternion<Real> axis{Real(0), u.b, u.c, u.d};
   Real sinus = std::sqrt(u.b * u.b + u.c * u.c + u.d * u.d);
   if (!(sinus * sinus >= Ieee<Real>::kTiny)) {

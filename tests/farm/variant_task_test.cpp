@@ -75,6 +75,11 @@ class Variants : public testing::Test {
     return {encodeVdb(result.grids, vdbWriteOptions(scene.options.output, metadata)), ply.str()};
   }
 
+  static TaskCounts makeVariant(const fs::path& folder, const Manifest& manifest, std::uint64_t index,
+                                Monitor& monitor) {
+    return VariantMaker(folder, manifest).make(index, monitor);
+  }
+
   TemporaryFolder mFolder;
   Monitor mMonitor;
   std::string mBall;

@@ -142,13 +142,18 @@ TEST(FractalField, SignsAreTheReferencesEverywhere) {
   }
 }
 
+FractalField exhaustiveField(const FieldSource& source, const ExponentGrid& exponent,
+                             const FractalFieldOptions& options, Monitor& monitor) {
+  return evaluateField(planExhaustive(exponent, options), source, {.everyNode = true}, monitor);
+}
+
 TEST(FractalField, TheShellIsASmallPartAtHighAlpha) {
   const Case c = cases()[2];
   const Made made = make(c, test_fields::randomVersor(17, 8, 9, true));
   Monitor monitor;
   const FieldSource source{*made.evaluator, made.exponent.space};
   const FractalField shell = fractalField(source, made.exponent, {.voxelSize = 1.0 / 100}, monitor);
-  const FractalField all = fractalFieldExhaustive(source, made.exponent, {.voxelSize = 1.0 / 100}, monitor);
+  const FractalField all = exhaustiveField(source, made.exponent, {.voxelSize = 1.0 / 100}, monitor);
   EXPECT_LT(shell.evaluatedNodes, all.evaluatedNodes / 2);
 }
 
@@ -162,8 +167,7 @@ TEST(FractalField, ExhaustiveGivesTheSameMesh) {
         slowSource{*slow.evaluator, slow.exponent.space};
     const FractalFieldOptions options{.voxelSize = 1.0 / 40};
     const Mesh a = extractMesh(fractalField(fastSource, fast.exponent, options, monitor), fastSource, {}, monitor);
-    const Mesh b =
-        extractMesh(fractalFieldExhaustive(slowSource, slow.exponent, options, monitor), slowSource, {}, monitor);
+    const Mesh b = extractMesh(exhaustiveField(slowSource, slow.exponent, options, monitor), slowSource, {}, monitor);
     EXPECT_EQ(mesh_laws::notClosedManifold(a), "");
     std::set<std::tuple<double, double, double>> inA, inB;
     for (const Vec3d& p : a.points) inA.insert({p[0], p[1], p[2]});

@@ -61,7 +61,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 std::string versorRefusal(const std::string& text) {
   try {
-    rationalFromJson(text, "folder/a\nfile.json");
+    rationalFileFromJson(text, "folder/a\nfile.json");
   } catch (const DataError& error) {
     const std::string message = error.what();
     EXPECT_TRUE(message.starts_with("folder/a?file.json: ")) << message;
@@ -103,7 +103,7 @@ TEST(VersorFile, BringsBackEveryBit) {
     rational.logScale = number;
     rational.top.roots.push_back({{number, number, number, number}, number});
     rational.bottom.powerScale = number;
-    const julia::Rational back = rationalFromJson(rationalToJson(rational), "x");
+    const julia::Rational back = rationalFileFromJson(rationalToJson(rational), "x").rational;
     const julia::Root& root = back.top.roots.at(0);
     for (const double value : {back.logScale, root.position.a, root.position.b, root.position.c, root.position.d,
                                root.power, back.bottom.powerScale}) {
@@ -131,7 +131,7 @@ TEST(VersorFile, RefusesEveryPrefixAndEveryTail) {
     SCOPED_TRACE(tail);
     versorRefusal(kText + tail);
   }
-  EXPECT_EQ(rationalFromJson(kText + "  \n", "x"), example());
+  EXPECT_EQ(rationalFileFromJson(kText + "  \n", "x").rational, example());
 }
 
 TEST(VersorFile, RefusesWhatIsNotTheFormat) {

@@ -4,11 +4,11 @@
 
 #include "julia/quadratic_map.h"
 #include "julia/rational_map.h"
-#include "julia/reference.h"
 #include "julia/scalar_field.h"
 #include "julia/shape_modulus.h"
 #include "julia/shell.h"
 #include "support/float128.h"
+#include "support/reference.h"
 #include "support/rounding_bounds.h"
 
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@
 #include "julia/cross_map.h"
 #include "julia/evaluator.h"
 #include "julia/quadratic_map.h"
-#include "julia/reference.h"
 #include "support/float128.h"
+#include "support/reference.h"
 #include "support/same_bits.h"
 #include "support/spatial_orbits.h"
 

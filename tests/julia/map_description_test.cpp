@@ -9,12 +9,12 @@
 #include "julia/mandelbulb.h"
 #include "julia/quadratic_map.h"
 #include "julia/rational_map.h"
-#include "julia/reference.h"
-#include "julia/reference_triplex.h"
-#include "julia/reference_waves.h"
 #include "julia/shape_modulus.h"
 #include "support/float128.h"
 #include "support/lumpy_bricks.h"
+#include "support/reference.h"
+#include "support/reference_triplex.h"
+#include "support/reference_waves.h"
 
 #include "support/random_waves.h"
 

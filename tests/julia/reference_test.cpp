@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The slow reference keeps its own laws; and the guard of [KD20] is needed by it, but not by the log-polar form.
-#include "julia/reference.h"
+#include "support/reference.h"
 
 #include "julia/evaluator.h"
 #include "julia/rational_map.h"

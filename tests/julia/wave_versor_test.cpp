@@ -2,8 +2,8 @@
 // Versors of waves: beside the definition in 128 bits, and the laws of their octaves.
 #include "julia/wave_versor.h"
 
-#include "julia/reference_waves.h"
 #include "support/random_waves.h"
+#include "support/reference_waves.h"
 #include "support/same_bits.h"
 
 #include <gtest/gtest.h>

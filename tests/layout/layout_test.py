@@ -70,7 +70,7 @@ SEARCHED = {
     "python": ["python/src", "vdbtools/include", "libjulia/include"],
     # Some tests and benchmarks look at the insides.
     "tests": ["tests", "cli", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
-    "bench": ["bench", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
+    "bench": ["bench", "tests", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],
     "samples": ["vdbtools/include", "libjulia/include"],
 }
 

@@ -15,7 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 MADE = re.compile(r"\bAtomicFile>?(\s+\w+)?\s*[({]|<(vdbtools::)?AtomicFile>\s+\w+\s*[;({=]|\bAtomicFile\s+\w+;")
 
 EXCEPTIONS = {
-    "vdbtools/src/farm/plan_folder.cpp": "the manifest, in a folder that is new or empty",
+    "vdbtools/src/farm/manifest.cpp": "the manifest, in a folder that is new or empty",
     "vdbtools/src/farm/tile_plan.cpp": "the prepared scene, in the same folder",
     "vdbtools/src/farm/task.cpp": "side-cars, in the plan's folder of tasks",
     "vdbtools/src/farm/target_store.cpp": "distances by their hash, in the plan's folder of targets",

@@ -4,8 +4,8 @@
 /// need no tolerance found by trial. Points and root positions are taken to be exact in Real, powers need not be.
 #pragma once
 
-#include "julia/reference.h"
 #include "support/float128.h"
+#include "support/reference.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include "julia/cross_map.h"
 #include "julia/evaluator.h"
 #include "julia/quaternion_batch.h"
-#include "julia/reference_triplex.h"
 #include "support/float128.h"
+#include "support/reference_triplex.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include "julia/embedding.h"
 #include "julia/evaluator.h"
 #include "julia/rational.h"
-#include "julia/reference.h"
+#include "support/reference.h"
 #include "vdbtools/base/grids.h"
 
 #include <openvdb/tools/SignedFloodFill.h>

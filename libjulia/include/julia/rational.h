@@ -10,7 +10,6 @@
 #pragma once
 
 #include "julia/ball.h"
-#include "julia/log_polar.h"
 #include "julia/quaternion.h"
 #include "julia/quaternion_batch.h"
 
@@ -76,7 +75,6 @@ class RationalEvaluator {
   /// Evaluate one point, slowly, and carefully where squares would underflow.
   Real logModulus(const Quaternion<Real>& q) const;
   Quaternion<Real> versor(const Quaternion<Real>& q) const;
-  LogPolar<Real> operator()(const Quaternion<Real>& q) const { return {logModulus(q), versor(q)}; }
 
   /// Bounds over balls for what logModulus() and versor() compute, rounding included. All spans have the same size.
   void logModulusRanges(std::span<const Ball> balls, std::span<LogRange> l) const;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file root_patterns.h
 /// Roots in a pattern, for versors with an organised texture. A versor is made in two steps: the points of a pattern,
-/// and the factors at these points. Only pointsOnSurface() and jittered() are random, and they give the same points for
-/// the same seed on every machine.
+/// and the factors at these points.
 ///
 /// **Rings.** The direction of (q - t)^P turns P times as q goes around t in a plane through t and the real axis, and
 /// does not change as q goes around the real axis. Its texture therefore consists of rings about the real axis, the X
@@ -18,43 +17,15 @@
 #include "julia/embedding.h"
 #include "julia/rational.h"
 
-#include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace julia {
 
 /// Returns @a count points at equal distances on a segment; the first and the last lie half a spacing from its ends.
 /// @param axis  direction of the segment, of any length but 0
-/// @throw std::invalid_argument  for this and the other patterns: a count below 1 or above a million, an axis of length
+/// @throw std::invalid_argument  also for fanOfAxes(): a count below 1 or above a million, an axis of length
 ///                               0, or a number that is not finite
 std::vector<Point> pointsOnLine(const Point& centre, const Point& axis, double length, int count);
-
-/// Returns @a count points at equal angles on a circle about an axis; n points have n-fold symmetry.
-std::vector<Point> pointsOnCircle(const Point& centre, const Point& axis, double radius, int count);
-
-/// Returns points on a helix about an axis, at equal angles and equal distances along it. @param turns  over the whole
-/// length
-std::vector<Point> pointsOnHelix(const Point& centre, const Point& axis, double radius, double length, double turns,
-                                 int count);
-
-/// Returns the nodes of a cubic lattice in a box, ordered by x, then y, then z. The lattice is centred in the box: the
-/// centre is a node along axes with an odd number of nodes, and lies midway between two nodes otherwise. An axis that
-/// is shorter than the spacing has one node.
-/// @throw std::invalid_argument  also for an empty box, or a spacing that gives more than a million nodes
-std::vector<Point> pointsOfLattice(const Point& boxMin, const Point& boxMax, double spacing);
-
-/// Returns @a count points spread over a surface. Each is the one of many random points of the surface that lies
-/// farthest from the points before it.
-/// @param distance  the signed distance to the surface, correct at least where it is below @a reach
-/// @param boxMin    lower corner of the box that is searched for the surface
-/// @param reach     units of the map's space; a hundredth of the surface's size is suitable
-/// @throw std::invalid_argument  also if no surface is found
-std::vector<Point> pointsOnSurface(const std::function<double(const Point&)>& distance, const Point& boxMin,
-                                   const Point& boxMax, double reach, int count, std::uint64_t seed);
-
-/// Moves each point by a random vector with this standard deviation along each axis.
-std::vector<Point> jittered(std::vector<Point> points, double deviation, std::uint64_t seed);
 
 /// Returns @a count unit vectors in the plane of two others, each turned by the same angle from the one before it. The
 /// first has the direction of @a from, and the second lies towards @a to.

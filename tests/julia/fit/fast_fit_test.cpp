@@ -128,9 +128,8 @@ double measuredIou(const Distance& phi, const Rational& rational, int iterations
     julia::Quaternion<double> q{x[0], x[1], x[2], 0};
     double l = 0;
     for (int k = 0; k < iterations && l < std::log(20); ++k) {
-      const julia::LogPolar<double> value = evaluator(q);
-      l = value.l;
-      q = value.u * std::exp(std::min(l, 3.0));
+      l = evaluator.logModulus(q);
+      q = evaluator.versor(q) * std::exp(std::min(l, 3.0));
     }
     both += phi(x) < 0 && l < 0;
     either += phi(x) < 0 || l < 0;

@@ -4,9 +4,9 @@
 #include "julia/fit/shape_energy.h"
 
 #include "julia/instruction_set.h"
-#include "julia/reference.h"
 #include "support/float128.h"
 #include "support/limits.h"
+#include "support/reference.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

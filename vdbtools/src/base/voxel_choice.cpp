@@ -3,6 +3,7 @@
 
 #include "vdbtools/base/errors.h"
 
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -23,6 +24,11 @@ double VoxelChoice::sizeFor(double longestSide) const {
   }
   text << "choose another resolution or voxel size, or give the shape in other units";
   throw std::invalid_argument(text.str());
+}
+
+double upToTens(double number) {
+  constexpr double kTens = 10, kRounding = 1e-9;
+  return kTens * std::ceil(number / kTens * (1 - kRounding));
 }
 
 }  // namespace vdbtools

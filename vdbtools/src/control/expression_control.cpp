@@ -3,9 +3,9 @@
 #include "control/control_kinds.h"
 #include "control/control_lattice.h"
 #include "distance/wide_distance.h"
-#include "repair/solid_input.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/fractal_space.h"
 
 #include "julia/expression.h"
 

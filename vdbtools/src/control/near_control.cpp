@@ -3,7 +3,7 @@
 #include "base/smooth_step.h"
 #include "control/control_kinds.h"
 #include "control/control_lattice.h"
-#include "repair/solid_input.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <algorithm>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "explore/http_head.h"
 
-#include "base/percent_decoded.h"
-#include "base/trimmed.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 
 #include <algorithm>

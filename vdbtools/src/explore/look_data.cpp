@@ -39,13 +39,6 @@ json dataOf(const Material& material) {
           {"mirrors", material.mirrors}};
 }
 
-std::vector<std::string> namesIn(const std::string& list) {
-  std::vector<std::string> names;
-  for (const std::string& name : split(list, ','))
-    names.push_back(name.substr(std::min(name.find_first_not_of(' '), name.size())));
-  return names;
-}
-
 const char* kindOf(FieldColour by) {
   switch (by) {
     case FieldColour::Direction: return "direction";
@@ -142,7 +135,7 @@ json lookData(const Recipe& texts) {
 
 json materialData() {
   json materials = json::object();
-  for (const std::string& name : namesIn(materialNames()))
+  for (const std::string& name : materialNames())
     materials[name] = dataOf(parseLook(RecipeReader({{"material", name}}, lookTable())).material);
   return materials;
 }
@@ -154,7 +147,7 @@ json lookOptionData() {
   return all;
 }
 
-json gradientData() { return namesIn(gradientNames()); }
+json gradientData() { return gradientNames(); }
 
 json colouringData(const Scene& scene, const ColourChoice& choice, Monitor& monitor) {
   const FieldColouring colouring = sceneColouring(scene, choice);

@@ -70,7 +70,7 @@ double shareAt(Ease ease, double t) {
 }
 
 Ease parseEase(const std::string& text) {
-  return parseChoice<Ease>("ease", text, {{"linear", Ease::Linear}, {"smooth", Ease::Smooth}, {"step", Ease::Step}});
+  return chosen<Ease>("ease", text, {{"linear", Ease::Linear}, {"smooth", Ease::Smooth}, {"step", Ease::Step}});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "vdbtools/farm/plans.h"
 
 #include "farm/variant_plan.h"
+#include "scene/file_hashes.h"
 
 #include "vdbtools/files/frames.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
@@ -15,6 +16,7 @@
 #include <set>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace vdbtools::farm {
 namespace {
@@ -123,6 +125,36 @@ Manifest planFrames(const FramePlanOptions& options) {
   for (const int frame : options.frames)
     variants.push_back({frame, "frame " + std::to_string(frame), recipeAt(options, frame)});
   return planVariants(PlanKind::Frames, variants, {nameFor(options, fractalOptionTable()), options.makes});
+}
+
+struct FrameRecipes::Hashes {
+  FileHashes files;
+};
+
+FrameRecipes::FrameRecipes(FramePlanOptions options)
+    : mOptions(std::move(options)), mHashes(std::make_unique<Hashes>()) {
+  requireKeysWithoutPatterns(mOptions);
+  const OptionTable table = fractalOptionTable();
+  FrameInputs files;
+  for (const int frame : mOptions.frames) {
+    try {
+      const FractalOptions fractal = parseFractalOptions(completeRecipe(recipeAt(mOptions, frame), table));
+      requireTarget(fractal);
+      for (const NamedFile& file : filesOf(fractal)) files.add(file.path, frame);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("frame " + std::to_string(frame) + ": " + error.what());
+    }
+  }
+  files.requireNoneMissing();
+  mInputs = files.files();
+}
+
+FrameRecipes::~FrameRecipes() = default;
+
+Recipe FrameRecipes::at(int frame) const {
+  Recipe recipe = completeRecipe(recipeAt(mOptions, frame), fractalOptionTable());
+  for (const auto& [name, hash] : mHashes->files.of(parseFractalOptions(recipe))) recipe[name] = hash;
+  return recipe;
 }
 
 }  // namespace vdbtools::farm

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/farm/job_template.h"
 
-#include "base/trimmed.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/text.h"
 #include "vdbtools/farm/task.h"
@@ -30,11 +29,7 @@ std::string asJson(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-std::string asWords(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + shellWord(word);
-  return text;
-}
+std::string asWords(const std::vector<std::string>& words) { return joined(words, " ", shellWord); }
 
 std::string formed(const std::string& text, const std::string& form) {
   return form == "json" ? asJson(text) : form == "shell" ? shellWord(text) : text;

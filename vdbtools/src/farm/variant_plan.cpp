@@ -72,7 +72,7 @@ void requireMakes(PlanKind kind, const std::vector<std::string>& makes) {
   if (kind == PlanKind::Tiles && makes == std::vector<std::string>{kMakeCount}) return;
   const std::vector<std::string> known = writtenFormats();
   std::vector<std::string> seen;
-  std::string wanted = "a list of " + writtenFormatsText();
+  std::string wanted = "a list of " + joined(writtenFormats());
   if (kind == PlanKind::Tiles) wanted += std::string("; or ") + kMakeCount + " alone";
   for (const std::string& extension : makes) {
     if (std::find(known.begin(), known.end(), extension) == known.end()) refuse("make", extension, wanted);

@@ -105,11 +105,6 @@ TaskCounts VariantMaker::make(std::uint64_t index, Monitor& monitor) {
   return counts;
 }
 
-TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
-                       Monitor& monitor) {
-  return VariantMaker(folder, manifest).make(index, monitor);
-}
-
 void removeUnneededTargets(const std::filesystem::path& folder, const Manifest& manifest) {
   const std::filesystem::path targets = folder / kTargetsName;
   std::set<std::string> unneeded = keptTargets(targets);

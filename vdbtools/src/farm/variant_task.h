@@ -32,10 +32,6 @@ class VariantMaker {
   SceneMaker mScenes;
 };
 
-/// Runs a single task.
-TaskCounts makeVariant(const std::filesystem::path& folder, const Manifest& manifest, std::uint64_t index,
-                       Monitor& monitor);
-
 /// Removes the stored distances (target_store.h) of targets whose tasks are all done. A task that is run again computes
 /// them again.
 void removeUnneededTargets(const std::filesystem::path& folder, const Manifest& manifest);

@@ -423,12 +423,6 @@ FractalField fractalField(const FieldSource& source, const ExponentGrid& exponen
   return evaluateField(planShell(exponent, options), source, {.keepIterations = options.keepIterations}, monitor);
 }
 
-FractalField fractalFieldExhaustive(const FieldSource& source, const ExponentGrid& exponent,
-                                    const FractalFieldOptions& options, Monitor& monitor) {
-  return evaluateField(planExhaustive(exponent, options), source,
-                       {.keepIterations = options.keepIterations, .everyNode = true}, monitor);
-}
-
 FractalField fractalFieldEverywhere(const FieldSource& source, const FractalFieldOptions& options, Monitor& monitor) {
   return evaluateField(planBox(options), source, {.keepIterations = options.keepIterations}, monitor);
 }

@@ -48,9 +48,8 @@ const OptionRows<LatticeOptions>& latticeRows() {
         .alternative = "resolution"},
        readByRule(above(0))},
       {{.name = "box", .argument = "X0,Y0,Z0,X1,Y1,Z1", .help = "make only this region, in the target's units"},
-       parsedBy([](const RecipeReader& reader, const std::string& name, LatticeOptions& options) {
-         options.box = parseBox(name, reader.text(name));
-       })},
+       parsed(&LatticeOptions::box,
+              [](const RecipeReader& reader, const std::string& name) { return parseBox(name, reader.text(name)); })},
       {{.name = "exhaustive", .help = "evaluate every node, even where the result is known; for checking"},
        flag(&LatticeOptions::exhaustive)},
       {{.name = "follow",

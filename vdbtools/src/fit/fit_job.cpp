@@ -198,9 +198,7 @@ const OptionRows<FitOptions>& fitRows() {
       {{.name = "input",
         .argument = "MESH|SDF.vdb",
         .help = "the target: a mesh, or a VDB that holds its signed distance or a volume"},
-       parsedBy([](const RecipeReader& reader, const std::string& name, FitOptions& options) {
-         options.target.input = reader.text(name);
-       })},
+       withoutDefault(text([](auto& options) -> auto& { return options.target.input; }))},
       {{.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
        text([](auto& options) -> auto& { return options.target.grid; })},
       {{.name = "roots", .argument = "N", .help = "the largest number of roots, top and bottom together"},
@@ -299,8 +297,7 @@ FitOptions parseFitOptions(const Recipe& recipe) {
   const OptionTable table = fitOptionTable();
   const RecipeReader reader(recipe, table);
   if (reader.text("input").empty()) throw std::invalid_argument("no target was given: a mesh, or a VDB");
-  FitOptions options;
-  fitRows().read(reader, options);
+  FitOptions options = fitRows().read(reader);
   options.target.mend = parseMendOptions(reader);
   if (!reader.has("power-penalty") && !options.schedule.empty()) options.powerPenalty = kSchedulePenalty;
   return options;

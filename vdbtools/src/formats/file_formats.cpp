@@ -51,12 +51,6 @@ std::vector<std::string> writtenFormats() {
   return names;
 }
 
-std::string writtenFormatsText() {
-  std::string text;
-  for (const std::string& name : writtenFormats()) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 const FileFormat& gridFormat(const std::filesystem::path& path) {
   const FileFormat* const format = findFormat(path.native());
   if (format && format->writesGrids) return *format;

@@ -3,6 +3,7 @@
 
 #include "base/json_text.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/peer_formats.h"
 
@@ -271,11 +272,7 @@ julia::Polynomial polynomialFrom(const Node& node) {
   return polynomial;
 }
 
-std::string numberList(std::initializer_list<double> numbers) {
-  std::string text;
-  for (const double number : numbers) text += (text.empty() ? "" : ", ") + shortestNumber(number);
-  return text;
-}
+std::string numberList(std::initializer_list<double> numbers) { return joined(numbers, ", ", shortestNumber); }
 
 std::string quoted(const char* word) { return '"' + std::string(word) + "\": "; }
 
@@ -332,10 +329,6 @@ RationalFile rationalFileFromJson(std::string_view text, const std::string& name
     throw DataError(name + ": " + error.what());
   }
   return file;
-}
-
-julia::Rational rationalFromJson(std::string_view text, const std::string& nameForErrors) {
-  return rationalFileFromJson(text, nameForErrors).rational;
 }
 
 std::string rationalToJson(const julia::Rational& rational, std::string_view note,

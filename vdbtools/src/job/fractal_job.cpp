@@ -5,16 +5,28 @@
 #include "field/block_layers.h"
 #include "job/output_grids.h"
 #include "job/point_attributes.h"
+#include "mesh_files/mesh_file.h"
+
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/decimation/adaptive_mesh.h"
+#include "vdbtools/files/file_bytes.h"
+#include "vdbtools/formats/file_formats.h"
+#include "vdbtools/mesh/mesh.h"
 #include "vdbtools/mesh/mesh_sink.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/scene/fractal_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <exception>
+#include <fstream>
+#include <list>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace vdbtools {
@@ -226,6 +238,148 @@ Mesh fractalMesh(const Scene& scene, Monitor& monitor) {
   MeshCollector collector(mesh);
   runFractal(scene, planFractal(scene, {.mesh = true}), &collector, monitor);
   return mesh;
+}
+
+namespace {
+
+/// Passes one mesh to several files.
+class MeshFiles final : public MeshSink {
+ public:
+  void add(AtomicFile& file, const MeshWriteOptions& options) { mFiles.emplace_back(file, options); }
+
+  void addPoints(const PointBatch& batch) override {
+    for (MeshFile& file : mFiles) file.addPoints(batch);
+  }
+  void addTriangles(std::span<const openvdb::Vec3I> triangles, std::uint64_t firstPoint) override {
+    for (MeshFile& file : mFiles) file.addTriangles(triangles, firstPoint);
+  }
+  /// @return the levels of detail of the file that has most of them
+  std::vector<MeshLevel> finish() {
+    std::vector<MeshLevel> levels;
+    for (MeshFile& file : mFiles) {
+      file.finish();
+      if (file.levels().size() > levels.size()) levels = file.levels();
+    }
+    return levels;
+  }
+
+ private:
+  std::list<MeshFile> mFiles;
+};
+
+void writeGrids(const Scene& scene, const std::map<std::string, std::string>& metadata, const FractalResult& result,
+                const FractalFiles& files) {
+  if (!result.check.failure.empty())
+    throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
+  const VdbWriteOptions options = vdbWriteOptions(scene.options.output, metadata);
+  for (const FractalFile& wanted : files.files) {
+    if (!wanted.format->writesGrids) continue;
+    std::vector<NvdbWritten> written =
+        vdbtools::writeGrids(wanted.file->stream(), *wanted.format, result.grids, options, files.nvdb);
+    if (files.nvdbReport && wanted.format->nvdbBits) *files.nvdbReport = std::move(written);
+  }
+}
+
+/// Adds to @a meshes the mesh files of @a files, for a mesh that lies in @a box.
+void addMeshFiles(MeshFiles& meshes, const Scene& scene, const openvdb::BBoxd& box,
+                  const std::map<std::string, std::string>& metadata, const FractalFiles& files) {
+  if (files.files.empty()) throw std::invalid_argument("no file was given for the fractal");
+  for (const FractalFile& mesh : files.files) {
+    if (!mesh.format->writesMesh) continue;
+    MeshWriteOptions options = meshWriteOptions(*mesh.format, scene.options.output, metadata);
+    options.voxelSize = scene.voxelSize;
+    options.box = box;
+    meshes.add(*mesh.file, options);
+  }
+}
+
+bool anyIs(const FractalFiles& files, bool FileFormat::*fact) {
+  return std::any_of(files.files.begin(), files.files.end(),
+                     [&](const FractalFile& file) { return file.format->*fact; });
+}
+
+}  // namespace
+
+bool FractalFiles::wantGrids() const { return anyIs(*this, &FileFormat::writesGrids); }
+
+bool FractalFiles::wantMesh() const { return anyIs(*this, &FileFormat::writesMesh); }
+
+VdbWriteOptions vdbWriteOptions(const OutputOptions& output, std::map<std::string, std::string> metadata) {
+  VdbWriteOptions options = vdbWriteOptions(output.axes, std::move(metadata));
+  options.half = output.half;
+  options.names = output.gridNames;
+  options.metadata.merge(distanceGridMetadata(output.gridNames, "surface"));
+  return options;
+}
+
+MeshWriteOptions meshWriteOptions(const FileFormat& format, const OutputOptions& output,
+                                  std::map<std::string, std::string> metadata) {
+  MeshWriteOptions options = meshWriteOptions(format, output.axes, std::move(metadata));
+  options.columns = meshColumns(output.attributes);
+  options.levels = output.levels;
+  return options;
+}
+
+FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const FractalFiles& files, Monitor& monitor) {
+  const FractalPlan plan = planFractal(scene, {.grids = files.wantGrids(), .mesh = files.wantMesh()});
+  const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
+  if (files.wantGrids()) requireVdbVoxel(scene.voxelSize);
+  MeshFiles meshes;
+  addMeshFiles(meshes, scene, meshBox(plan.nodes), metadata, files);
+  FractalResult result = runFractal(scene, plan, plan.mesh ? &meshes : nullptr, monitor);
+  monitor.begin(PhaseKind::Writing, 0);
+  if (files.wantGrids()) writeGrids(scene, metadata, result, files);
+  result.levels = meshes.finish();
+  monitor.throwIfCancelled();
+  return result;
+}
+
+void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
+                      std::span<const float> values, const FractalFiles& files, Monitor& monitor) {
+  monitor.begin(PhaseKind::Writing, 0);
+  const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
+  if (files.wantGrids()) requireVdbVoxel(scene.voxelSize);
+  MeshFiles meshes;
+  addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
+  if (files.wantGrids()) writeGrids(scene, metadata, made, files);
+  meshes.addPoints({mesh.points, mesh.normals, values});
+  meshes.addTriangles(mesh.triangles, 0);
+  meshes.finish();
+  monitor.throwIfCancelled();
+}
+
+namespace {
+
+/// Whether a file ends with a complete line. A line that was cut off may still be valid, such as a number without its
+/// last digits.
+bool endsWithItsLine(const std::filesystem::path& path) {
+  std::ifstream file = openToRead(path);
+  file.seekg(-1, std::ios::end);
+  return file.get() == '\n';
+}
+
+}  // namespace
+
+bool holdsFractal(const std::filesystem::path& path, const Recipe& recipe) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  const auto isTheRecipe = [&](const std::map<std::string, std::string>& metadata) {
+    const std::map<std::string, std::string> expected = recipeToMetadata(recipe, "fractal");
+    const bool hasAll = std::all_of(expected.begin(), expected.end(), [&](const auto& entry) {
+      const auto found = metadata.find(entry.first);
+      return found != metadata.end() && found->second == entry.second;
+    });
+    return hasAll && recipeFromMetadata(metadata, fractalOptionTable()) == recipe;
+  };
+  try {
+    const FileFormat* const format = findFormat(path.native());
+    if (!format || !format->recipe || (format->endsUnmarked && !endsWithItsLine(path))) return false;
+    // The recipe stands at the beginning: it tells most other files before the rest is read.
+    if (!isTheRecipe(readFileTexts(path))) return false;
+    return format->readsGrids ? !readVdb(path).grids.empty() : !readMesh(path).triangles.empty();
+  } catch (const std::exception&) {
+    return false;  // broken, or not made by this program
+  }
 }
 
 }  // namespace vdbtools

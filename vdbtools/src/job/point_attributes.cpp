@@ -4,9 +4,9 @@
 #include "base/in_parallel.h"
 #include "base/srgb.h"
 #include "control/control_lattice.h"
-#include "repair/solid_input.h"
 #include "scene/scene_colouring.h"
 #include "search/surface_search.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/control/control.h"
 
 #include <openvdb/tree/LeafManager.h>

@@ -47,9 +47,7 @@ const OptionRows<SdfOptions>& sdfRows() {
                 "; with --points-radius a cloud of points; or a VDB, whose level set gets a band of another width, or "
                 "whose volume becomes a level set",
         .hash = "source-sha256"},
-       parsedBy([](const RecipeReader& reader, const std::string& name, SdfOptions& options) {
-         options.input = reader.text(name);
-       })},
+       withoutDefault(text(&SdfOptions::input))},
       {{.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
        withoutDefault(text(&SdfOptions::grid))},
       {{.name = "resolution",
@@ -85,8 +83,7 @@ OptionTable sdfOptionTable() {
 SdfOptions parseSdfOptions(const Recipe& recipe) {
   const OptionTable table = sdfOptionTable();
   const RecipeReader reader(recipe, table);
-  SdfOptions options;
-  sdfRows().read(reader, options);
+  SdfOptions options = sdfRows().read(reader);
   if (options.input.empty()) throw std::invalid_argument("no mesh was given");
   options.voxels = reader.voxels("resolution", "voxel-size");
   options.mend = parseMendOptions(reader);

@@ -189,7 +189,8 @@ CellView parseView(const SheetOptions& options, const Recipe& varied) {
   Recipe given = options.view;
   for (const auto& [name, value] : varied) given[name] = value;
   const RecipeReader preview(given, table);
-  const bool isMesh = preview.has(kPreview) && preview.choice<bool>(kPreview, {{"field", false}, {kMesh, true}});
+  const bool isMesh =
+      preview.has(kPreview) && chosen<bool>(kPreview, preview.text(kPreview), {{"field", false}, {kMesh, true}});
   Recipe base = options.baseView;
   if (isMesh)
     for (const OptionSpec& spec : fieldViewOptionSpecs()) base.erase(spec.name);

@@ -108,8 +108,7 @@ const OptionRows<julia::CrossOptions>& crossRows() {
 }
 
 julia::CrossOptions parseCross(const RecipeReader& reader) {
-  julia::CrossOptions options;
-  crossRows().read(reader, options);
+  julia::CrossOptions options = crossRows().read(reader);
   for (const char* function : {"f", "g"}) {
     if (options.pair == CrossPair::User && !reader.has(function))
       throw std::invalid_argument(std::string("--pair user needs --") + function +

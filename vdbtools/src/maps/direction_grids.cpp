@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/maps/direction_grids.h"
 
-#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"

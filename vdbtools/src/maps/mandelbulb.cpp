@@ -48,9 +48,10 @@ class MandelbulbSettings final : public MapSettings {
 };
 
 /// Three numbers, or four if the fourth is 0: a quaternion that lies in space.
-julia::Point parsePoint(const std::string& text) {
-  const bool padded = std::count(text.begin(), text.end(), ',') == 3 && parseNumbers("c", text, 4)[3] == 0;
-  const openvdb::Vec3d c = parseVector("c", padded ? text.substr(0, text.rfind(',')) : text);
+julia::Point parsePoint(const RecipeReader& reader, const std::string& name) {
+  const std::string text = reader.text(name);
+  const bool padded = std::count(text.begin(), text.end(), ',') == 3 && parseNumbers(name, text, 4)[3] == 0;
+  const openvdb::Vec3d c = parseVector(name, padded ? text.substr(0, text.rfind(',')) : text);
   return {c[0], c[1], c[2]};
 }
 
@@ -69,9 +70,7 @@ const OptionRows<julia::MandelbulbOptions>& mandelbulbRows() {
         .help = "the constant of a Julia set, three numbers",
         .alternative = "mandelbrot",
         .followsSelector = true},
-       parsedBy([](const RecipeReader& reader, const std::string& name,
-                   MandelbulbOptions& options) { options.constant = parsePoint(reader.text(name)); },
-                {.kind = OptionType::Kind::Vector})}};
+       parsed(&MandelbulbOptions::constant, parsePoint, {.kind = OptionType::Kind::Vector})}};
   return rows;
 }
 
@@ -96,8 +95,7 @@ class MandelbulbDescriptor final : public MapDescriptor {
 
   std::shared_ptr<const MapSettings> parse(const RecipeReader& reader) const override {
     const bool mandelbrot = parseMandelbrot(reader);
-    julia::MandelbulbOptions options;
-    mandelbulbRows().read(reader, options);
+    julia::MandelbulbOptions options = mandelbulbRows().read(reader);
     if (!mandelbrot && !options.constant) options.constant = julia::Point{};
     return std::make_shared<MandelbulbSettings>(parseOrbit(reader, "radius"), parseSpatialEmbedding(reader), options);
   }

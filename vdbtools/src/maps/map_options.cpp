@@ -2,8 +2,8 @@
 #include "vdbtools/maps/map_options.h"
 
 #include "recipe/option_rows.h"
-#include "repair/solid_input.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/text.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/maps/versor_options.h"
@@ -251,11 +251,7 @@ const OptionRows<julia::Embedding>& embeddingRows() {
 
 std::vector<OptionSpec> embeddingOptions() { return embeddingRows().specs(); }
 
-julia::Embedding parseEmbedding(const RecipeReader& reader) {
-  julia::Embedding embedding;
-  embeddingRows().read(reader, embedding);
-  return embedding;
-}
+julia::Embedding parseEmbedding(const RecipeReader& reader) { return embeddingRows().read(reader); }
 
 julia::Embedding parseSpatialEmbedding(const RecipeReader& reader) {
   // Recipes hold the two options for every map, at their defaults.
@@ -360,11 +356,7 @@ std::vector<OptionSpec> rootsOptions() {
   return options;
 }
 
-julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) {
-  julia::RandomRootsOptions options;
-  randomRootsRows().read(reader, options);
-  return options;
-}
+julia::RandomRootsOptions parseRandomRoots(const RecipeReader& reader) { return randomRootsRows().read(reader); }
 
 namespace {
 

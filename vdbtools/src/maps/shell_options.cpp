@@ -25,17 +25,73 @@ std::function<std::optional<std::string>(const Recipe&)> defaultWhere(bool ifNum
   };
 }
 
-/// A default for some recipes only. @param ifNumeric  true: for recipes that give alpha or beta; false: for all others
-std::shared_ptr<const ControlSource> parseShare(const RecipeReader& reader, const std::string& option) {
-  if (const std::optional<double> value = numberFromText(reader.text(option)); value && !(*value >= 0 && *value <= 1))
-    reader.refuse(option, "from 0 to 1, or a ramp, a grid, a painted attribute");
-  return parseControl(reader, option);
-}
-
-Choices<std::optional<julia::Interpolation>> samplings() {
-  return {{"auto", std::nullopt},
-          {"trilinear", julia::Interpolation::Trilinear},
-          {"quadratic", julia::Interpolation::Quadratic}};
+const OptionRows<ShellSettings>& shellRows() {
+  using Shell = ShellSettings;
+  using julia::Interpolation;
+  const OptionType share{.kind = OptionType::Kind::Control, .low = 0, .high = 1};
+  static const OptionRows<Shell> rows{
+      {{.name = "detail",
+        .argument = "D",
+        .help = "how deep detail eats into the shape, as a share of its local thickness: 0.1 decorates it, 0.25 covers "
+                "it, 0.8 leaves a thin core. From 0 to 1; a number, a ramp such as x:0.1:0.6:smooth, FILE.vdb[:GRID], "
+                "or a painted control (docs/controls.md)",
+        .defaultFor = defaultWhere(false, kDetail),
+        .defaultNote = kDetail,
+        .alternative = "alpha",
+        .displaces = {"beta"},
+        .hash = "detail-sha256",
+        .kept = true},
+       parsed(&Shell::detail, parseShare, share)},
+      {{.name = "outward",
+        .argument = "O",
+        .help = "how far detail reaches out of the shape, as a share of the same. Takes the same values as --detail",
+        .defaultFor = defaultWhere(false, kOutward),
+        .defaultNote = kOutward,
+        .displaces = {"alpha", "beta"},
+        .hash = "outward-sha256",
+        .kept = true},
+       parsed(&Shell::outward, parseShare, share)},
+      {{.name = "mask",
+        .argument = "M",
+        .defaultValue = "1",
+        .help = "where it is 0 the result is the plain target, where it is 1 the fractal. Takes the same values as "
+                "--detail",
+        .hash = "mask-sha256",
+        .kept = true},
+       parsed(&Shell::mask, parseShare, share)},
+      {{.name = "alpha",
+        .argument = "A",
+        .help =
+            "instead of detail, the papers' number for how thin the shell of detail is: 6 eats deep into the shape, "
+            "40 decorates it, 300 is nearly smooth. Above 0; takes the same values as --detail",
+        .defaultFor = defaultWhere(true, kAlpha),
+        .defaultNote = std::string(kAlpha) + " where beta is given",
+        .alternative = "detail",
+        .displaces = {"outward"},
+        .hash = "alpha-sha256",
+        .kept = true},
+       parsed(&Shell::alpha, parseControl, {.kind = OptionType::Kind::Control, .low = 0, .excludesLow = true})},
+      {{.name = "beta",
+        .argument = "B",
+        .help =
+            "instead of outward, the offset of that shell, as a share of the target's longest side; positive values "
+            "move it outward. Takes the same values as --detail",
+        .defaultFor = defaultWhere(true, kBeta),
+        .defaultNote = std::string(kBeta) + " where alpha is given",
+        .displaces = {"detail", "outward"},
+        .hash = "beta-sha256",
+        .kept = true},
+       parsed(&Shell::beta, parseControl, {.kind = OptionType::Kind::Control})},
+      {{.name = "sampling",
+        .defaultValue = "auto",
+        .help =
+            "how the target's distances are interpolated; quadratic shows no creases in deep zooms. auto: quadratic "
+            "for pictures of the set itself, trilinear, which is faster, for meshes and VDBs",
+        .kept = true},
+       choice<std::optional<Interpolation>>(&Shell::interpolation, {{"auto", std::nullopt},
+                                                                    {"trilinear", Interpolation::Trilinear},
+                                                                    {"quadratic", Interpolation::Quadratic}})}};
+  return rows;
 }
 
 }  // namespace
@@ -47,66 +103,13 @@ std::vector<ControlSetting> ShellSettings::controls() const {
   return controls;
 }
 
-std::vector<OptionSpec> shellOptions() {
-  return {
-      {.name = "detail",
-       .argument = "D",
-       .help = "how deep detail eats into the shape, as a share of its local thickness: 0.1 decorates it, 0.25 covers "
-               "it, 0.8 leaves a thin core. From 0 to 1; a number, a ramp such as x:0.1:0.6:smooth, FILE.vdb[:GRID], "
-               "or a painted control (docs/controls.md)",
-       .defaultFor = defaultWhere(false, kDetail),
-       .defaultNote = kDetail,
-       .alternative = "alpha",
-       .displaces = {"beta"},
-       .hash = "detail-sha256",
-       .type = {.kind = OptionType::Kind::Control, .low = 0, .high = 1},
-       .kept = true},
-      {.name = "outward",
-       .argument = "O",
-       .help = "how far detail reaches out of the shape, as a share of the same. Takes the same values as --detail",
-       .defaultFor = defaultWhere(false, kOutward),
-       .defaultNote = kOutward,
-       .displaces = {"alpha", "beta"},
-       .hash = "outward-sha256",
-       .type = {.kind = OptionType::Kind::Control, .low = 0, .high = 1},
-       .kept = true},
-      {.name = "mask",
-       .argument = "M",
-       .defaultValue = "1",
-       .help =
-           "where it is 0 the result is the plain target, where it is 1 the fractal. Takes the same values as --detail",
-       .hash = "mask-sha256",
-       .type = {.kind = OptionType::Kind::Control, .low = 0, .high = 1},
-       .kept = true},
-      {.name = "alpha",
-       .argument = "A",
-       .help = "instead of detail, the papers' number for how thin the shell of detail is: 6 eats deep into the shape, "
-               "40 decorates it, 300 is nearly smooth. Above 0; takes the same values as --detail",
-       .defaultFor = defaultWhere(true, kAlpha),
-       .defaultNote = std::string(kAlpha) + " where beta is given",
-       .alternative = "detail",
-       .displaces = {"outward"},
-       .hash = "alpha-sha256",
-       .type = {.kind = OptionType::Kind::Control, .low = 0, .excludesLow = true},
-       .kept = true},
-      {.name = "beta",
-       .argument = "B",
-       .help = "instead of outward, the offset of that shell, as a share of the target's longest side; positive values "
-               "move it outward. Takes the same values as --detail",
-       .defaultFor = defaultWhere(true, kBeta),
-       .defaultNote = std::string(kBeta) + " where alpha is given",
-       .displaces = {"detail", "outward"},
-       .hash = "beta-sha256",
-       .type = {.kind = OptionType::Kind::Control},
-       .kept = true},
-      {.name = "sampling",
-       .argument = "auto|trilinear|quadratic",
-       .defaultValue = wordFor(ShellSettings{}.interpolation, samplings()),
-       .help = "how the target's distances are interpolated; quadratic shows no creases in deep zooms. auto: quadratic "
-               "for pictures of the set itself, trilinear, which is faster, for meshes and VDBs",
-       .type = {.kind = OptionType::Kind::Choice, .words = wordsOf(samplings())},
-       .kept = true}};
+ControlSetting parseShare(const RecipeReader& reader, const std::string& option) {
+  if (const std::optional<double> value = numberFromText(reader.text(option)); value && !(*value >= 0 && *value <= 1))
+    reader.refuse(option, "from 0 to 1, or a ramp, a grid, a painted attribute, a picture or a formula");
+  return parseControl(reader, option);
 }
+
+std::vector<OptionSpec> shellOptions() { return shellRows().specs(); }
 
 OptionSpec shellIterationsOption() {
   OptionSpec option = iterationsOption(kIterations);
@@ -135,17 +138,7 @@ ShellSettings parseShell(const RecipeReader& reader) {
                                     " is '" + reader.text(number) +
                                     "', but the one takes the place of the other; give --detail and --outward, or "
                                     "--alpha and --beta");
-  const bool numeric = reader.has("alpha");
-  ShellSettings shell{.mask = parseShare(reader, "mask"),
-                      .interpolation = chosen("sampling", reader.text("sampling"), samplings())};
-  if (numeric) {
-    shell.alpha = parseControl(reader, "alpha");
-    shell.beta = parseControl(reader, "beta");
-  } else {
-    shell.detail = parseShare(reader, "detail");
-    shell.outward = parseShare(reader, "outward");
-  }
-  return shell;
+  return shellRows().read(reader);
 }
 
 }  // namespace vdbtools

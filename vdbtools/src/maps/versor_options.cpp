@@ -144,13 +144,6 @@ std::optional<julia::Symmetry> parseSymmetry(const RecipeReader& reader) {
   return symmetry;
 }
 
-ControlSetting parseMix(const RecipeReader& reader) {
-  const std::optional<double> value = numberFromText(reader.text("texture-mix"));
-  if (value && !(*value >= 0 && *value <= 1))
-    reader.refuse("texture-mix", "from 0 to 1, or a ramp, a grid, a painted attribute, a picture or a formula");
-  return parseControl(reader, "texture-mix");
-}
-
 /// What is a coordinate of the place, and needs no grid.
 bool isCoordinate(const std::string& name) {
   constexpr const char* kKnown[] = {"x", "y", "z", "w", "hx", "hy", "hz", "height"};
@@ -239,7 +232,7 @@ VersorSettings parseVersor(const RecipeReader& reader, bool hasFunction) {
   if (reader.text("texture-over") == kNone) return settings;
   settings.over = parseDirections(reader, "texture-over", hasFunction);
   if (!settings.over) settings.over = {.option = "texture-over", .roots = parseOverRoots(reader)};
-  settings.mix = parseMix(reader);
+  settings.mix = parseShare(reader, "texture-mix");
   return settings;
 }
 

@@ -2,11 +2,11 @@
 #include "mesh_files/gltf_file.h"
 
 #include "base/json_text.h"
-#include "base/percent_decoded.h"
 #include "mesh_files/draco_decoder.h"
 #include "mesh_files/glb_format.h"
 #include "mesh_files/mesh_formats.h"
 #include "vdbtools/base/memory.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
 

@@ -132,12 +132,12 @@ inline const auto& meshRows() {
        .texts = unitTextOf3mf},
       {.facts = {.extension = ".off", .name = "OFF"},
        .begins = beginsAsOff, .read = still<readOff>},
-      {.facts = {.extension = ".fbx", .name = "FBX", .needsTrust = true, .unit = true},
+      {.facts = {.extension = ".fbx", .name = "FBX", .unit = true},
        .read = still<readImported>, .texts = unitTextOfFbx},
-      {.facts = {.extension = ".dae", .name = "DAE", .needsTrust = true, .unit = true},
+      {.facts = {.extension = ".dae", .name = "DAE", .unit = true},
        .read = still<readImported>, .texts = unitTextOfDae},
-      {.facts = {.extension = ".3ds", .name = "3DS", .needsTrust = true}, .read = still<readImported>},
-      {.facts = {.extension = ".x3d", .name = "X3D", .needsTrust = true}, .read = still<readImported>},
+      {.facts = {.extension = ".3ds", .name = "3DS"}, .read = still<readImported>},
+      {.facts = {.extension = ".x3d", .name = "X3D"}, .read = still<readImported>},
   });
     // clang-format on
     for (MeshFormat& format : formats) {

@@ -93,17 +93,10 @@ openvdb::Vec3d Gradient::at(double value) const {
   return colour;
 }
 
-std::string gradientNames() {
-  std::string names;
-  for (const NamedGradient& gradient : namedGradients())
-    names += (names.empty() ? "" : ", ") + std::string(gradient.name);
-  return names;
-}
-
-std::string gradientMeant(const std::string& name) {
+std::vector<std::string> gradientNames() {
   std::vector<std::string> names;
   for (const NamedGradient& gradient : namedGradients()) names.emplace_back(gradient.name);
-  return didYouMean(name, names);
+  return names;
 }
 
 }  // namespace vdbtools

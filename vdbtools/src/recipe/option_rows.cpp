@@ -19,11 +19,7 @@ std::vector<std::size_t> listedWords(const RecipeReader& reader, const std::stri
   for (const std::string& word : split(reader.text(name), ',')) {
     const auto found = std::find(words.begin(), words.end(), word);
     const auto place = static_cast<std::size_t>(found - words.begin());
-    if (found == words.end()) {
-      std::string list;
-      for (const std::string& each : words) list += (list.empty() ? "" : ", ") + each;
-      reader.refuse(name, "a list of " + list + didYouMean(word, words));
-    }
+    if (found == words.end()) reader.refuse(name, "a list of " + joined(words) + didYouMean(word, words));
     if (std::find(places.begin(), places.end(), place) != places.end())
       reader.refuse(name, "a list in which no name occurs twice");
     places.push_back(place);

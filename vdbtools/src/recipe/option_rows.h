@@ -38,8 +38,7 @@ class OptionRows {
     template <class Value>
     Row(OptionSpec option, Value value) : spec(std::move(option)) {
       spec.type = value.type;
-      if (spec.argument.empty() && value.namesWords)
-        for (const std::string& word : spec.type.words) spec.argument += (spec.argument.empty() ? "" : "|") + word;
+      if (spec.argument.empty() && value.namesWords) spec.argument = joined(spec.type.words, "|");
       if (!spec.defaultValue && !spec.defaultFor) spec.defaultValue = value.text(Options{});
       read = [name = spec.name, value = std::move(value)](const RecipeReader& reader, Options& options) {
         if (reader.has(name)) value.read(reader, name, options);
@@ -62,6 +61,12 @@ class OptionRows {
   /// @throw std::invalid_argument  naming the option, its value, and the values that it accepts
   void read(const RecipeReader& reader, Options& options) const {
     for (const Row& row : mRows) row.read(reader, options);
+  }
+  /// The same into new options.
+  Options read(const RecipeReader& reader) const {
+    Options options;
+    read(reader, options);
+    return options;
   }
 
  private:
@@ -119,25 +124,6 @@ double readNumber(const RecipeReader& reader, const std::string& name, const Opt
 std::vector<std::size_t> listedWords(const RecipeReader& reader, const std::string& name,
                                      const std::vector<std::string>& words);
 
-/// Words, in the order in which the help shows them, and what they mean.
-template <class Value>
-using Choices = std::vector<std::pair<std::string, Value>>;
-
-template <class Value>
-std::vector<std::string> wordsOf(const Choices<Value>& choices) {
-  std::vector<std::string> words;
-  for (const auto& [word, value] : choices) words.push_back(word);
-  return words;
-}
-
-/// What a word means. @param option  for the error @throw std::invalid_argument  it is none of the words
-template <class Value>
-Value chosen(const std::string& option, const std::string& text, const Choices<Value>& choices) {
-  for (const auto& [word, value] : choices)
-    if (word == text) return value;
-  refuseChoice(option, text, wordsOf(choices));
-}
-
 /// The word for a value; "" if there is none.
 template <class Value>
 std::string wordFor(const Value& value, const Choices<Value>& choices) {
@@ -190,10 +176,8 @@ auto list(Member member, Choices<Value> choices) {
   return RowValue{OptionType{.kind = OptionType::Kind::List, .words = wordsOf(choices)},
                   option_rows::defaultOf(member,
                                          [choices](const std::vector<Value>& values) {
-                                           std::string text;
-                                           for (const Value& value : values)
-                                             text += (text.empty() ? "" : ",") + wordFor(value, choices);
-                                           return text;
+                                           return joined(values, ",",
+                                                         [&](const Value& value) { return wordFor(value, choices); });
                                          }),
                   [member, choices](const RecipeReader& reader, const std::string& name, auto& options) {
                     std::vector<Value>& values = std::invoke(member, options);
@@ -242,6 +226,14 @@ auto parsedBy(Parse parse, OptionType type = {}) {
   return RowValue{
       type, option_rows::noDefault,
       [parse](const RecipeReader& reader, const std::string& name, auto& options) { parse(reader, name, options); }};
+}
+
+/// The value that @a parse makes of the reader and the option's name.
+template <class Member, class Parse>
+auto parsed(Member member, Parse parse, OptionType type = {}) {
+  return parsedBy([member, parse](const RecipeReader& reader, const std::string& name,
+                                  auto& options) { std::invoke(member, options) = parse(reader, name); },
+                  std::move(type));
 }
 
 /// An option that the room reads by a rule between several options. @param words  accepted besides numbers

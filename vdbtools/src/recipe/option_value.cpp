@@ -15,9 +15,7 @@ void refuse(const std::string& option, const std::string& text, const std::strin
 }
 
 void refuseChoice(const std::string& option, const std::string& text, std::span<const std::string> choices) {
-  std::string list;
-  for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
-  refuse(option, text, "one of " + list + didYouMean(text, choices));
+  refuse(option, text, "one of " + joined(choices) + didYouMean(text, choices));
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {

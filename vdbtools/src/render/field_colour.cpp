@@ -154,7 +154,7 @@ OptionSpec colourOptionSpec() {
           .help =
               "colours, in pictures of the set and as Cd in files: direction (of the first step, as RGB), versor, "
               "clay, or trap, iterations or depth through a gradient: one of " +
-              gradientNames() +
+              joined(gradientNames()) +
               ", a list of colours (000000,ff8800,ffffff), or the first row of a picture. The gradient runs from LOW "
               "to HIGH, or over the numbers that occur. gradient:NAME is trap:NAME",
           .defaultNote = "direction; contact sheets: clay",
@@ -217,10 +217,10 @@ std::optional<ColourChoice> parseColour(const RecipeReader& reader) {
   for (const std::string& part : parts) choice.gradient += (&part == &parts.front() ? "" : ":") + part;
   if (Gradient::named(choice.gradient) || Gradient::ofCodes(choice.gradient)) return choice;
   if (lowerExtension(choice.gradient).empty())
-    reader.refuse("colour", "'" + name + ":' and one of " + gradientNames() +
+    reader.refuse("colour", "'" + name + ":' and one of " + joined(gradientNames()) +
                                 ", a list of two colours or more such as 000000,ff8800,ffffff, or the name of a "
                                 "picture" +
-                                gradientMeant(choice.gradient));
+                                didYouMean(choice.gradient, gradientNames()));
   choice.picture = reader.file("colour", choice.gradient);
   return choice;
 }

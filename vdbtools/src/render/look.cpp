@@ -66,20 +66,17 @@ std::optional<Vec3d> colourFromText(const std::string& text) {
 
 Material parseMaterial(const RecipeReader& reader, const std::string& name) {
   const std::string text = reader.text(name);
-  std::vector<std::string> names;
-  for (const NamedMaterial& named : materials()) {
+  for (const NamedMaterial& named : materials())
     if (named.name == text) return named.material;
-    names.emplace_back(named.name);
-  }
   const std::size_t colon = text.rfind(':');
   if (const std::optional<Vec3d> colour = colourFromText(text.substr(0, colon))) {
     const std::string finish = colon == std::string::npos ? "satin" : text.substr(colon + 1);
     if (const std::optional<Material> material = finished(finish, *colour)) return *material;
   }
-  reader.refuse(name, materialNames() +
+  reader.refuse(name, joined(materialNames()) +
                           ", or a colour of one's own such as #c08040 or 0.8,0.5,0.2, followed by :matt, :satin, "
                           ":glossy or :metal" +
-                          didYouMean(text, names));
+                          didYouMean(text, materialNames()));
 }
 
 void parseLight(const RecipeReader& reader, const std::string& name, Look& look) {
@@ -110,12 +107,10 @@ const OptionRows<Look>& lookRows() {
       {{.name = "material",
         .argument = "NAME|COLOUR",
         .defaultValue = "clay",
-        .help = "what the surface is made of: " + materialNames() +
+        .help = "what the surface is made of: " + joined(materialNames()) +
                 "; or a colour such as #c08040 or 0.8,0.5,0.2, followed by :matt, :satin (as without), :glossy or "
                 ":metal. The colours of a mesh's points take the place of the material's"},
-       parsedBy([](const RecipeReader& reader, const std::string& name, Look& look) {
-         look.material = parseMaterial(reader, name);
-       })},
+       parsed(&Look::material, parseMaterial)},
       {{.name = "light",
         .argument = "AZ,EL",
         .defaultValue = numbersText({Look{}.keyAzimuth, Look{}.keyElevation}),
@@ -139,17 +134,16 @@ const OptionRows<Look>& lookRows() {
 
 }  // namespace
 
-std::string materialNames() {
-  std::string text;
-  for (const NamedMaterial& named : materials()) text += (text.empty() ? "" : ", ") + std::string(named.name);
-  return text;
+std::vector<std::string> materialNames() {
+  std::vector<std::string> names;
+  for (const NamedMaterial& named : materials()) names.emplace_back(named.name);
+  return names;
 }
 
 std::vector<OptionSpec> lookOptionSpecs() { return lookRows().specs(); }
 
 Look parseLook(const RecipeReader& reader) {
-  Look look;
-  lookRows().read(reader, look);
+  const Look look = lookRows().read(reader);
   if (look.ground && !(look.keyElevation > 0))
     throw std::invalid_argument("--light " + reader.text("light") +
                                 " is below the floor of --ground, which would hide all; raise it above 0 degrees, or "

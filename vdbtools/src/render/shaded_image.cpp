@@ -46,12 +46,8 @@ std::set<Pass> parsePasses(const RecipeReader& reader, const std::set<Pass>& pos
   if (!reader.has("passes")) return usual;
   std::set<Pass> passes{Pass::Beauty};
   std::vector<std::string> names;
-  std::string list;
-  for (const auto& [name, pass] : kPasses) {
-    if (!possible.contains(pass)) continue;
-    names.emplace_back(name);
-    list += (list.empty() ? "" : ", ") + std::string(name);
-  }
+  for (const auto& [name, pass] : kPasses)
+    if (possible.contains(pass)) names.emplace_back(name);
   for (const std::string& word : split(reader.text("passes"), ',')) {
     bool found = false;
     for (const auto& [name, pass] : kPasses) {
@@ -60,7 +56,7 @@ std::set<Pass> parsePasses(const RecipeReader& reader, const std::set<Pass>& pos
       passes.insert(pass);
     }
     if (!found)
-      reader.refuse("passes", "some of " + list + " here, with commas between them" + didYouMean(word, names));
+      reader.refuse("passes", "some of " + joined(names) + " here, with commas between them" + didYouMean(word, names));
   }
   return passes;
 }

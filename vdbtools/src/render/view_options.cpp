@@ -104,11 +104,7 @@ std::vector<OptionSpec> viewOptionSpecs(const std::string& size) {
   return options;
 }
 
-ViewOptions parseViewOptions(const RecipeReader& reader) {
-  ViewOptions options;
-  viewRows().read(reader, options);
-  return options;
-}
+ViewOptions parseViewOptions(const RecipeReader& reader) { return viewRows().read(reader); }
 
 Camera FieldView::camera(const FieldSource& source, const openvdb::BBoxd& region, double aspect, UpAxis usual) const {
   Camera camera;

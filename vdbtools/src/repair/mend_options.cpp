@@ -13,18 +13,17 @@ namespace {
 constexpr const char* kWays[] = {"solidify", "thicken", "points-radius"};
 
 /// "DEPTH" or "AXIS:DEPTH".
-SolidifyOptions parseSolidify(const RecipeReader& reader) {
-  const char* const kName = "solidify";
-  const std::string text = reader.text(kName);
+SolidifyOptions parseSolidify(const RecipeReader& reader, const std::string& name) {
+  const std::string text = reader.text(name);
   const std::vector<std::string> parts = split(text, ':');
   SolidifyOptions options;
   if (parts.size() == 2) {
     options.up = parts[0] == "x" ? 0 : parts[0] == "y" ? 1 : parts[0] == "z" ? 2 : -1;
-    if (*options.up < 0) reader.refuse(kName, "DEPTH, or the axis that is up and DEPTH, as in z:0.5");
+    if (*options.up < 0) reader.refuse(name, "DEPTH, or the axis that is up and DEPTH, as in z:0.5");
   }
   const std::optional<double> depth = numberFromText(parts.back());
   if (parts.size() > 2 || !depth || !std::isfinite(*depth) || !(*depth > 0))
-    reader.refuse(kName, "a depth above 0, or the axis that is up and a depth, as in z:0.5");
+    reader.refuse(name, "a depth above 0, or the axis that is up and a depth, as in z:0.5");
   options.depth = *depth;
   return options;
 }
@@ -48,9 +47,7 @@ const OptionRows<MendOptions>& mendRows() {
         .help = "make a block of open terrain: walls go from its open edges straight down to a flat base, DEPTH below "
                 "its lowest point in the mesh's units. The axis that is up is found, or given as in z:0.5",
         .idle = idleWithoutMesh},
-       parsedBy([](const RecipeReader& reader, const std::string&, MendOptions& options) {
-         options.solidify = parseSolidify(reader);
-       })},
+       parsed(&MendOptions::solidify, parseSolidify)},
       {{.name = "thicken",
         .argument = "W",
         .help = "make a plate of a sheet: everything within half of W from the mesh, in its units",
@@ -99,9 +96,7 @@ MendOptions parseMendOptions(const RecipeReader& reader) {
                                   " both make a solid of the mesh; give only one of them");
     first = way;
   }
-  MendOptions options;
-  mendRows().read(reader, options);
-  return options;
+  return mendRows().read(reader);
 }
 
 std::string idleWithoutMesh(const OptionRun& run) {

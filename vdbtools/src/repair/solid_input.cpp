@@ -35,11 +35,6 @@ std::string boxText(const BBoxd& box) {
   return numbersText({a[0], a[1], a[2], b[0], b[1], b[2]});
 }
 
-double longestSide(const BBoxd& box) {
-  const Vec3d extents = box.extents();
-  return std::max({extents[0], extents[1], extents[2]});
-}
-
 namespace {
 
 /// Checks a mesh that no reader has checked, except its indices, which reportMesh() checks.

@@ -23,8 +23,6 @@ inline constexpr const char* kPointsLeftOut = "julia_points_left_out";
 
 std::string boxText(const openvdb::BBoxd& box);
 
-double longestSide(const openvdb::BBoxd& box);
-
 /// A mesh in the form from which its distances are computed.
 struct SolidSource {
   /// The mesh of the file, or the one in memory; a point cloud as converted by asPoints(). Painted attributes belong to

@@ -98,18 +98,15 @@ const OptionRows<AttributeOptions>& attributeRows() {
   colour.idle = idleByAny({idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb, Product::Picture},
                                        "the points of a mesh or a VDB, or a picture of the map"),
                            idleColour});
-  std::string names;
-  for (const std::string& name : wordsOf(attributeNames())) names += (names.empty() ? "" : ", ") + name;
   static const OptionRows<AttributeOptions> rows{
       {{.name = "attributes",
         .argument = "LIST",
         .help = "what the vertices of the mesh carry and, by the same names, the voxels of the VDB: a list of " +
-                names + " (docs/attributes.md)",
+                joined(wordsOf(attributeNames())) + " (docs/attributes.md)",
         .idle = noPoints},
        withoutDefault(list<PointAttribute>(&AttributeOptions::computed, attributeNames()))},
-      {colour, parsedBy([](const RecipeReader& reader, const std::string&, AttributeOptions& options) {
-         options.colour = parseColour(reader);
-       })},
+      {colour, parsed(&AttributeOptions::colour,
+                      [](const RecipeReader& reader, const std::string&) { return parseColour(reader); })},
       {{.name = "transfer",
         .argument = "LIST",
         .help = "what is carried over from the target's nearest point: a list of uv (texture coordinates), Cd (painted "
@@ -128,8 +125,7 @@ bool AttributeOptions::has(PointAttribute attribute) const {
 std::vector<OptionSpec> attributeOptionSpecs() { return attributeRows().specs(); }
 
 AttributeOptions parseAttributeOptions(const RecipeReader& reader) {
-  AttributeOptions options;
-  attributeRows().read(reader, options);
+  AttributeOptions options = attributeRows().read(reader);
   // A colour is chosen to be seen, unless the files have another one.
   const std::vector<std::string>& names = options.transferred;
   if (options.colour && !options.has(PointAttribute::Cd) && std::find(names.begin(), names.end(), "Cd") == names.end())

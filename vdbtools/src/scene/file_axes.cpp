@@ -86,11 +86,7 @@ std::vector<OptionSpec> fileAxesOptionSpecs() { return axesRows().specs(); }
 
 UpRule parseUpRule(const std::string& value) { return chosen("up", value, upRules()); }
 
-FileAxes parseFileAxes(const RecipeReader& reader) {
-  FileAxes axes;
-  axesRows().read(reader, axes);
-  return axes;
-}
+FileAxes parseFileAxes(const RecipeReader& reader) { return axesRows().read(reader); }
 
 LengthUnit parseLengthUnit(const std::string& value) { return chosen("units", value, lengthUnits()); }
 

@@ -27,12 +27,6 @@ const std::vector<Naming>& namings() {
   return all;
 }
 
-std::string listOf(std::span<const std::string> words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  return list;
-}
-
 bool isGridName(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
@@ -44,7 +38,7 @@ void addPair(const std::string& text, const std::string& pair, std::span<const s
   const std::string own = pair.substr(0, equals), name = pair.substr(equals + 1);
   if (std::find(grids.begin(), grids.end(), own) == grids.end())
     throw std::invalid_argument("--grid-names is '" + text + "', but there is no grid '" + own + "' here; there are " +
-                                listOf(grids));
+                                joined(grids));
   if (!isGridName(name)) refuse(kGridNames, text, "a list of names that consist of letters, digits, '_' and '.'");
   names[own] = name;
 }

@@ -2,9 +2,9 @@
 #include "scene/placed_target.h"
 
 #include "control/control_lattice.h"
-#include "repair/solid_input.h"
 #include "scene/scene_grain.h"
 #include "vdbtools/base/errors.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"

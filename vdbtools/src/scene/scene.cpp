@@ -6,7 +6,9 @@
 #include "repair/solid_input.h"
 #include "scene/file_hashes.h"
 #include "scene/placed_target.h"
+#include "scene/scene_colouring.h"
 #include "scene/target_parts.h"
+
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/text.h"
@@ -405,6 +407,33 @@ std::map<std::string, std::string> sceneMetadata(const Scene& scene, const Recip
   std::map<std::string, std::string> metadata = recipeToMetadata(resolvedRecipe(scene, recipe), "fractal");
   metadata.insert(scene.metadata.begin(), scene.metadata.end());
   return metadata;
+}
+
+openvdb::BBoxd sliceFrame(const Scene& scene) {
+  constexpr double kAir = 0.08;  // of the target's longest side
+  if (scene.options.lattice.box) return *scene.options.lattice.box;
+  if (!scene.target) return scene.region();
+  openvdb::BBoxd box = scene.target->distances.box;
+  box.expand(kAir * longestSide(box));
+  return box;
+}
+
+openvdb::BBoxd pictureRegion(const Scene& scene) {
+  if (scene.options.lattice.box) return *scene.options.lattice.box;
+  return scene.exponent() ? meshBox(planScene(scene)) : scene.region();
+}
+
+FieldRenderOptions pictureOptions(const Scene& scene, const openvdb::BBoxd& region, const FieldPicture& picture,
+                                  FieldColour usual) {
+  FieldRenderOptions options = picture.render;
+  options.camera = picture.view.camera(scene.source(), region,
+                                       static_cast<double>(options.width) / static_cast<double>(options.height),
+                                       scene.options.output.axes.target);
+  const std::optional<ColourChoice>& chosen = scene.options.output.attributes.colour;
+  options.colour = sceneColouring(scene, picture.colour.value_or(chosen.value_or(ColourChoice{.by = usual})));
+  options.orbit = scene.field.orbit;
+  options.dropAxis = scene.options.map->embedding().dropped;
+  return options;
 }
 
 }  // namespace vdbtools

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/scene_colouring.h"
 
-#include "repair/solid_input.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/control/control.h"
 
 #include <tbb/parallel_for.h>

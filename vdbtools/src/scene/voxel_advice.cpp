@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/scene/voxel_advice.h"
 
-#include "base/up_to_tens.h"
-#include "repair/solid_input.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/text.h"
+#include "vdbtools/base/voxel_choice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -103,8 +103,6 @@ std::string coarseFloatsText(const Scene& scene) {
          " voxels here, so that most vertices are not on the surface; --precision double places them";
 }
 
-double estimatedMemory(const Scene& scene, double voxel) { return memoryAt(extentOf(scene), voxel); }
-
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
   // The limits along the longest side of the result: no less than the default, and no more than floats resolve.
   constexpr double kLeast = 300, kMost = 1000;
@@ -122,6 +120,7 @@ ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
   // The estimate is for the whole process, including the memory that it has now.
   const double bytes = memoryLeft().bytes + residentMemory();
   const Extent extent = extentOf(scene);
+  constexpr double kTens = 10;
   for (; chosen.resolution > kTens && memoryAt(extent, side / chosen.resolution) > bytes; chosen.resolution -= kTens)
     chosen.limit = ChosenResolution::Limit::Memory;
   return chosen;

@@ -67,10 +67,6 @@ const OptionRows<SurfaceOptions>& surfaceRows() {
 
 std::vector<OptionSpec> surfaceOptionSpecs() { return surfaceRows().specs(); }
 
-SurfaceOptions parseSurfaceOptions(const RecipeReader& reader) {
-  SurfaceOptions options;
-  surfaceRows().read(reader, options);
-  return options;
-}
+SurfaceOptions parseSurfaceOptions(const RecipeReader& reader) { return surfaceRows().read(reader); }
 
 }  // namespace vdbtools

@@ -2,7 +2,7 @@
 #include "vdbtools/target/space_options.h"
 
 #include "recipe/option_rows.h"
-#include "repair/solid_input.h"
+#include "vdbtools/base/fractal_space.h"
 #include "vdbtools/distance/target.h"
 #include "vdbtools/target/target_survey.h"
 
@@ -109,8 +109,7 @@ const OptionRows<SpaceOptions>& spaceRows() {
 std::vector<OptionSpec> spaceOptionSpecs() { return spaceRows().specs(); }
 
 SpaceOptions parseSpaceOptions(const RecipeReader& reader) {
-  SpaceOptions options;
-  spaceRows().read(reader, options);
+  const SpaceOptions options = spaceRows().read(reader);
   if (options.near && options.origin != OriginKind::Auto)
     throw std::invalid_argument("--origin-near is for --origin auto, but --origin is '" + reader.text("origin") +
                                 "'; give only one of them");

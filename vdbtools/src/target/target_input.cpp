@@ -3,12 +3,12 @@
 
 #include "base/elementary.h"
 #include "base/lattice_transform.h"
-#include "base/up_to_tens.h"
 #include "distance/band_growth.h"
 #include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
 #include "distance/united_parts.h"
 #include "repair/solid_input.h"
+#include "vdbtools/base/voxel_choice.h"
 #include "vdbtools/files/named_file.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
@@ -286,8 +286,7 @@ const OptionRows<AnimationOptions>& animationRows() {
 
 /// The moment that a recipe names. @param input  empty if there is no target
 std::optional<MeshMoment> parseMomentOptions(const RecipeReader& reader, const std::filesystem::path& input) {
-  AnimationOptions options;
-  animationRows().read(reader, options);
+  const AnimationOptions options = animationRows().read(reader);
   if (!options.frame || input.empty()) return std::nullopt;
   if (!mayBeAnimated(input))
     throw std::invalid_argument("--target-frame is for an animated glTF, and '" + input.string() +
@@ -309,9 +308,8 @@ const OptionRows<TargetOptions>& targetRows() {
         .argument = "MESH|SDF.vdb",
         .help = "the target: a mesh, or a VDB that holds its signed distance or a volume",
         .hash = "source-sha256"},
-       parsedBy([](const RecipeReader& reader, const std::string& name, TargetOptions& options) {
-         options.input = reader.file(name);
-       })},
+       parsed(&TargetOptions::input,
+              [](const RecipeReader& reader, const std::string& name) { return reader.file(name); })},
       {{.name = "grid", .argument = "NAME", .help = "which grid of the input VDB to use", .idle = idleWithoutVdb},
        text(&TargetOptions::grid)},
       {{.name = "sdf-resolution",

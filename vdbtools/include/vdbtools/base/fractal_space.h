@@ -8,6 +8,9 @@
 #include "julia/embedding.h"
 
 #include <openvdb/Types.h>
+#include <openvdb/math/BBox.h>
+
+#include <algorithm>
 
 namespace vdbtools {
 
@@ -24,5 +27,10 @@ struct FractalSpace {
     return {x[0] * scale + centre[0], x[1] * scale + centre[1], x[2] * scale + centre[2]};
   }
 };
+
+inline double longestSide(const openvdb::BBoxd& box) {
+  const openvdb::Vec3d extents = box.extents();
+  return std::max({extents[0], extents[1], extents[2]});
+}
 
 }  // namespace vdbtools

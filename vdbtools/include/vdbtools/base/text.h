@@ -1,16 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file text.h
-/// Texts: numbers in them, misspelt words, words of a shell, and UTF-8.
+/// Texts: lists of words, numbers, misspelt words, words of a shell, and UTF-8.
 #pragma once
 
 #include <charconv>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace vdbtools {
+
+/// "a, b, c". @param textOf  makes the text of an element
+template <class List, class TextOf = std::identity>
+std::string joined(const List& list, std::string_view between = ", ", TextOf textOf = {}) {
+  std::string text;
+  for (const auto& element : list) {
+    if (!text.empty()) text += between;
+    text += std::invoke(textOf, element);
+  }
+  return text;
+}
 
 // Conversion between numbers and text, independent of the locale, for options, recipes and files alike. Numbers may
 // have a plus sign. Callers decide what a number means and check its range.
@@ -34,6 +46,13 @@ enum class Rounding { Nearest, Up, Down };
 
 /// A number with four digits, for messages. Files and recipes use numbersText() instead, which is exact.
 std::string shortText(double value, Rounding rounding = Rounding::Nearest);
+
+/// The text without the blanks at its ends.
+std::string_view trimmed(std::string_view text);
+
+/// The bytes that "%20" and the like stand for in an address, RFC 3986 2.1. A percent sign without two hexadecimal
+/// digits behind it stands for itself.
+std::string percentDecoded(std::string_view text);
 
 // Suggests the word that was meant by a misspelt one.
 

@@ -19,4 +19,8 @@ struct VoxelChoice {
   bool operator==(const VoxelChoice&) const = default;
 };
 
+/// The smallest multiple of ten that is not below a number, apart from rounding errors: a number of voxels that the
+/// program chooses or suggests.
+double upToTens(double number);
+
 }  // namespace vdbtools

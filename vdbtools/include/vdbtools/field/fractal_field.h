@@ -114,8 +114,6 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
 /// Plans with planShell() and evaluates.
 FractalField fractalField(const FieldSource& source, const ExponentGrid& exponent, const FractalFieldOptions& options,
                           Monitor& monitor);
-FractalField fractalFieldExhaustive(const FieldSource& source, const ExponentGrid& exponent,
-                                    const FractalFieldOptions& options, Monitor& monitor);
 FractalField fractalFieldEverywhere(const FieldSource& source, const FractalFieldOptions& options, Monitor& monitor);
 
 }  // namespace vdbtools

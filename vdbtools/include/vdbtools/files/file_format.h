@@ -36,7 +36,6 @@ struct FileFormat {
   bool writesColours = false;                  ///< with a mesh
   bool printed = false;                        ///< 'print' writes it
   bool points = false;                         ///< 'points' writes it
-  bool needsTrust = false;                     ///< read only if trustImporter() allows it (mesh_files/importer_trust.h)
   bool piped = false;  ///< "-" with the extension is the standard output; for the first such format "-" alone is
   /// Whether this build can write it; null: every build can.
   bool (*isBuilt)() = nullptr;

@@ -31,8 +31,6 @@ std::string extensionsOf(bool FileFormat::*fact);
 std::string namesOf(bool FileFormat::*fact);
 /// The formats in which this build writes a fractal, as extensions without dots: "vdb", "nvdb", "ply" and so on.
 std::vector<std::string> writtenFormats();
-/// The same in words: "vdb, nvdb, ply, ...".
-std::string writtenFormatsText();
 
 /// The format that grids are to be written in, as meshFormat() for meshes (mesh_writer.h).
 /// @throw std::invalid_argument  no grids are written so

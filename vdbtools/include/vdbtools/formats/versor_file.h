@@ -77,7 +77,6 @@ julia::Rational readRational(const std::filesystem::path& path);
 RationalFile readRationalFile(const std::filesystem::path& path);
 
 /// @param nameForErrors  the file's name
-julia::Rational rationalFromJson(std::string_view text, const std::string& nameForErrors);
 RationalFile rationalFileFromJson(std::string_view text, const std::string& nameForErrors);
 
 /// @param note  left out if empty; bytes that are not UTF-8 become U+FFFD

@@ -44,6 +44,8 @@ std::vector<OptionSpec> shellOptions();
 OptionSpec shellIterationsOption();
 /// --escape of such a map: smaller for a shell of detail, where it is the outer end of the shell.
 OptionSpec shellEscapeOption();
+/// The control that an option gives whose numbers are from 0 to 1. @throw std::invalid_argument
+ControlSetting parseShare(const RecipeReader& reader, const std::string& option);
 /// @throw std::invalid_argument  naming the option
 ShellSettings parseShell(const RecipeReader& reader);
 

@@ -51,9 +51,6 @@ struct VersorSettings {
   ControlSetting mix;                       ///< how much of it, where there is one
   std::optional<GrainSettings> grain{};     ///< that the layers follow which can
   std::optional<julia::Symmetry> symmetry;  ///< of each; its centre is the middle of the target
-
-  /// What is not a plain texture or plain roots.
-  bool isComposed() const { return over || symmetry || !under.isRoots(); }
 };
 
 /// Whether the value of --texture is neither a texture nor roots: a formula, a field, waves of a file, or a function.

@@ -56,9 +56,7 @@ class Gradient {
   std::vector<Stop> mStops;
 };
 
-/// "viridis, magma, ...".
-std::string gradientNames();
-/// "; did you mean 'inferno'?", or an empty text.
-std::string gradientMeant(const std::string& name);
+/// The names of all gradients.
+std::vector<std::string> gradientNames();
 
 }  // namespace vdbtools

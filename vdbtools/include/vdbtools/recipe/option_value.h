@@ -44,16 +44,23 @@ Integer parseInteger(const std::string& option, const std::string& text, Integer
   return *value;
 }
 
-/// One of several words.
+/// Words, in the order in which the help shows them, and what they mean.
 template <class Value>
-Value parseChoice(const std::string& option, const std::string& text,
-                  std::initializer_list<std::pair<const char*, Value>> choices) {
+using Choices = std::vector<std::pair<std::string, Value>>;
+
+template <class Value>
+std::vector<std::string> wordsOf(const Choices<Value>& choices) {
   std::vector<std::string> words;
-  for (const auto& [word, value] : choices) {
-    if (text == word) return value;
-    words.emplace_back(word);
-  }
-  refuseChoice(option, text, words);
+  for (const auto& [word, value] : choices) words.push_back(word);
+  return words;
+}
+
+/// What a word means. @param option  for the error @throw std::invalid_argument  it is none of the words
+template <class Value>
+Value chosen(const std::string& option, const std::string& text, const Choices<Value>& choices) {
+  for (const auto& [word, value] : choices)
+    if (word == text) return value;
+  refuseChoice(option, text, wordsOf(choices));
 }
 
 /// The shortest text that reads back as the same doubles, with commas between them.

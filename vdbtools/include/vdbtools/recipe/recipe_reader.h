@@ -56,23 +56,12 @@ class RecipeReader {
     return value;
   }
 
-  double notNegative(const std::string& name) const {
-    const double value = number(name);
-    if (!(value >= 0)) refuse(name, "0 or more");
-    return value;
-  }
-
   template <class Integer = int>
   Integer integer(const std::string& name, Integer low, Integer high) const {
     return parseInteger<Integer>(name, text(name), low, high);
   }
 
   openvdb::Vec3d vector(const std::string& name) const { return parseVector(name, text(name)); }
-
-  template <class Value>
-  Value choice(const std::string& name, std::initializer_list<std::pair<const char*, Value>> choices) const {
-    return parseChoice<Value>(name, text(name), choices);
-  }
 
   VoxelChoice voxels(const std::string& resolution, const std::string& voxelSize) const {
     if (has(resolution) && has(voxelSize))

@@ -25,8 +25,8 @@ struct Material {
   bool mirrors = false;
 };
 
-/// The names of the materials: "clay, plaster, ...".
-std::string materialNames();
+/// The names of the materials.
+std::vector<std::string> materialNames();
 
 enum class Backdrop { Neutral, Plain, None };
 

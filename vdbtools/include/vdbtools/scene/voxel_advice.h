@@ -48,7 +48,4 @@ std::string chosenSdfResolutionText(const Scene& scene);
 /// @param scene  complete up to its features; the box of its options is used
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory);
 
-/// Estimates the most memory that a run needs for its mesh and its level set at this voxel size, bytes.
-double estimatedMemory(const Scene& scene, double voxel);
-
 }  // namespace vdbtools

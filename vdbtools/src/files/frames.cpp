@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/files/frames.h"
 
+#include "vdbtools/base/errors.h"
+#include "vdbtools/files/standard_streams.h"
+
 #include <algorithm>
 #include <stdexcept>
+#include <system_error>
 
 namespace vdbtools {
 namespace {
@@ -143,6 +147,23 @@ std::string stemWithoutFrame(std::string_view name) {
   constexpr const char* kLeft = "._- ";
   const std::size_t first = stem.find_first_not_of(kLeft);
   return first == std::string::npos ? "" : stem.substr(first, stem.find_last_not_of(kLeft) + 1 - first);
+}
+
+void FrameInputs::add(const std::filesystem::path& file, int frame) {
+  if (!mKnown.insert(file).second) return;
+  mFiles.add(file);
+  std::error_code error;
+  if (std::filesystem::exists(pathToOpen(file), error)) return;
+  constexpr std::size_t kMostNamed = 3;
+  if (++mMissing <= kMostNamed)
+    mNames += (mNames.empty() ? "'" : ", '") + file.string() + "' (frame " + std::to_string(frame) + ")";
+}
+
+void FrameInputs::requireNoneMissing() const {
+  if (mMissing == 0) return;
+  throw MissingInputError(mMissing == 1 ? "an input of the sequence is missing: " + mNames
+                                        : std::to_string(mMissing) +
+                                              " inputs of the sequence are missing, the first of them " + mNames);
 }
 
 }  // namespace vdbtools

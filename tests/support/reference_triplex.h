@@ -6,7 +6,7 @@
 
 #include "julia/cross_map.h"
 #include "julia/mandelbulb.h"
-#include "julia/reference.h"
+#include "support/reference.h"
 
 #include <array>
 #include <cmath>

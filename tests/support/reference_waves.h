@@ -3,8 +3,8 @@
 /// Versors of waves (wave_versor.h) computed from their definition, one point at a time; see reference.h.
 #pragma once
 
-#include "julia/reference.h"
 #include "julia/wave_versor.h"
+#include "support/reference.h"
 
 #include <algorithm>
 #include <cmath>
