@@ -345,7 +345,8 @@ void orient(const SurfaceGraph& graph, std::span<const DirectionWish> wishes, st
     if (sign < 0) lines[i] = -lines[i];
     const auto agreement = [&](const Complex& with) { return (with * std::conj(lines[i])).real(); };
     const double area = graph.spacing(i) * graph.spacing(i);
-    if (wishes[i].signs) agreements[root] += area * wishes[i].weight * agreement(wishes[i].towards);
+    const double counts = wishes[i].signs ? 1 : wishes[i].lean;
+    agreements[root] += area * wishes[i].weight * counts * agreement(wishes[i].towards);
     agreements[root] += area * kLess * wishes[i].weight * agreement(graph.tangent(i, kDown));
   }
   for (std::uint32_t i = 0; i < graph.size(); ++i)

@@ -78,6 +78,7 @@ std::vector<DirectionWish> wishesAlong(const GrainSurface& surface) {
     const double thinner = -tau * (wishes[i].towards * std::conj(slopes[i])).real();
     if (thinner < 0) wishes[i].towards = -wishes[i].towards;
     wishes[i].signs = std::abs(thinner) > kSigned;
+    wishes[i].lean = std::min(1., std::abs(thinner));
   }
   return wishes;
 }

@@ -84,6 +84,8 @@ struct DirectionWish {
   std::complex<double> towards;  ///< a tangent of length 1, or 0 for no wish
   double weight = 0;             ///< >= 0; 1 outweighs all neighbours together
   bool signs = true;             ///< whether the opposite direction is not what is wanted
+  /// Otherwise, how much that one is preferred: the signs of a connected part of the surface follow their sum.
+  double lean = 0;
 };
 /// The smoothest field of directions that comes near the wishes: tangents of length 1.
 /// @param cancelled  asked now and then; once it is true, the result means nothing
