@@ -11,8 +11,11 @@
 #include "vdbtools/scene/file_axes.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/study/study.h"
+#include "vdbtools/target/target_input.h"
 
 #include <ostream>
+#include <set>
+#include <stdexcept>
 
 namespace po = boost::program_options;
 
@@ -30,12 +33,23 @@ constexpr Usage kStudyGrainUsage = {
     "  juliavdb study bunny.obj --grain around --grain-turn 30 --strokes strokes.glb\n",
     "fractal"};
 
+/// Refuses options that describe something else of a fractal.
+void requireUse(const CommandLine& line) {
+  std::set<std::string> used{"texture", "grain", "grain-turn", "detail", "alpha", "beta", "target-up"};
+  for (const vdbtools::OptionSpec& option : vdbtools::targetOptionSpecs()) used.insert(option.name);
+  for (const auto& [name, value] : line.given())
+    if (!used.contains(name))
+      throw std::invalid_argument(
+          "--" + name + " has no effect: --strokes draws the directions that a texture follows; leave it out");
+}
+
 }  // namespace
 
 int studyGrain(const Arguments& arguments) {
   CommandLine line(kStudyGrainUsage, vdbtools::fractalOptionTable());
   line.addOptions()("strokes", po::value<std::string>()->value_name("F.ply"), "the mesh to write: .ply or .glb");
   if (!line.parse(arguments)) return kDone;
+  requireUse(line);
   const vdbtools::FractalOptions options = vdbtools::parseFractalOptions(line.recipe());
   line.requireEffect({vdbtools::Product::Picture});
   Outputs outputs(line, vdbtools::inputsOf(options));

@@ -244,6 +244,7 @@ class Grain(harness.CliTest):
         for texture in ("random", "expr:x,y,z"):
             self.bad(USAGE, ("--texture", texture, "--grain", "along"), "--grain has no effect")
         self.bad(USAGE, ("--grain", "along", "--texture-translate", "1,0,0"), "--texture-translate has no effect")
+        self.bad(USAGE, ("--grain", "along", "--slice", "0.2"), "--slice has no effect")
         self.bad(USAGE, ("--map", "rational", "--texture", "random", "--grain", "along"), "grain")
         self.write("zero.ply", attributed(torus(), {f"v_{axis}": lambda p: 0 for axis in "xyz"}))
         self.bad(BAD_DATA, ("--grain", "paint:v"), "v", target="zero.ply")

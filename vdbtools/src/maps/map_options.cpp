@@ -83,12 +83,28 @@ std::string idleRandomOnly(const OptionRun& run) {
   return why.empty() ? "" : why + "; leave it out, or give --texture random";
 }
 
+/// Whether all layers of the texture follow a grain.
+bool isAllGrain(const OptionRun& run) {
+  const auto given = [&](const char* option) {
+    const auto found = run.recipe.find(option);
+    return found == run.recipe.end() ? std::string("none") : found->second;
+  };
+  const std::string over = given("texture-over");
+  return hasGrain(run.recipe) && followsGrain(given("texture")) && (over == "none" || followsGrain(over));
+}
+
 /// Of --texture-translate.
 std::string idleTranslate(const OptionRun& run) {
-  if (!hasGrain(run.recipe) || !followsGrain(run.text("texture"))) return {};
-  const auto over = run.recipe.find("texture-over");
-  if (over != run.recipe.end() && over->second != "none" && !followsGrain(over->second)) return {};
-  return "a texture that follows a grain lies where the target does; leave it out, or leave --grain out";
+  return isAllGrain(run)
+             ? "a texture that follows a grain lies where the target does; leave it out, or leave --grain out"
+             : "";
+}
+
+/// Of --slice.
+std::string idleSlice(const OptionRun& run) {
+  return isAllGrain(run)
+             ? "a texture that follows a grain is the same in all slices; leave it out, or leave --grain out"
+             : "";
 }
 
 std::string idleSeed(const OptionRun& run) {
@@ -240,7 +256,10 @@ namespace {
 const OptionRows<julia::Embedding>& embeddingRows() {
   using julia::DropAxis;
   static const OptionRows<julia::Embedding> rows{
-      {kept({.name = "slice", .argument = "S", .help = "the fourth coordinate of the slice through the quaternions"}),
+      {kept({.name = "slice",
+             .argument = "S",
+             .help = "the fourth coordinate of the slice through the quaternions",
+             .idle = idleSlice}),
        number(&julia::Embedding::slice)},
       {kept({.name = "drop-axis", .help = "the quaternion axis along which the target is extruded"}),
        choice<DropAxis>(&julia::Embedding::dropped, {{"i", DropAxis::I}, {"j", DropAxis::J}, {"k", DropAxis::K}})}};
