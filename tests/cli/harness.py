@@ -220,6 +220,30 @@ class CliTest(unittest.TestCase):
 # ---------------------------------------------------------------------------------------------------------- meshes in
 
 
+class TextureTest(CliTest):
+    """Fractals of the target t.obj, which a test writes, with options for their texture."""
+
+    LOW = ("--resolution", 40, "--sdf-resolution", 40)
+
+    def mesh(self, *options):
+        self.ok("fractal", "t.obj", *self.LOW, *options, "--mesh", "x.ply")
+        return read_ply(self.bytes("x.ply"))
+
+    def points(self, *options):
+        return self.mesh(*options).points
+
+    def assert_the_same_in_all_ways(self, *options):
+        """The mesh is closed, and the same if nothing is skipped, in one thread without vector instructions, and in tiles."""
+        mesh = self.mesh(*options)
+        self.assertEqual(open_edges(mesh), [])
+        self.assertTrue(mesh.points == self.points(*options, "--exhaustive"))
+        self.assertTrue(mesh.points == self.points(*options, "--threads", 1, "--instructions", "portable"))
+        self.ok("plan", "tiles", "t.obj", *self.LOW, *options, "--tiles", 3, "-o", "plan")
+        self.ok("submit", "plan", "--engine", "parallel", "--mesh", "tiles.ply")
+        self.assertTrue(mesh.points == read_ply(self.bytes("tiles.ply")).points)
+        shutil.rmtree(self.path("plan"))
+
+
 def sphere(subdivisions=3, radius=1.0, centre=(0.0, 0.0, 0.0)):
     """An icosahedron, subdivided; faces turn counterclockwise seen from outside."""
     g = (1 + math.sqrt(5)) / 2

@@ -3,7 +3,6 @@
 """Textures that follow a grain: where the directions come from, the laws of every other fractal (skipped as exhaustive, tiles as
 one run, any threads, recipes again), and the refusal of what gives no direction."""
 import math
-import shutil
 import struct
 import unittest
 
@@ -12,7 +11,7 @@ import pyopenvdb
 import harness
 from harness import BAD_DATA, NO_INPUT, USAGE
 
-LOW = ("--resolution", 40, "--sdf-resolution", 40)
+LOW = harness.TextureTest.LOW
 AXIS = (0.3, 0.2, 1)
 
 
@@ -72,7 +71,7 @@ def strokes(data):
     return found
 
 
-class Grain(harness.CliTest):
+class Grain(harness.TextureTest):
 
     FAMILIES = (
         ("--grain", "along"),
@@ -88,13 +87,6 @@ class Grain(harness.CliTest):
     def setUp(self):
         super().setUp()
         self.write("t.obj", harness.obj(torus()))
-
-    def mesh(self, *options):
-        self.ok("fractal", "t.obj", *LOW, *options, "--mesh", "x.ply")
-        return harness.read_ply(self.bytes("x.ply"))
-
-    def points(self, *options):
-        return self.mesh(*options).points
 
     def share(self, wanted, target, *options):
         """The share of the strokes that lie within 20 degrees of a wanted direction, and point to it."""
@@ -162,14 +154,7 @@ class Grain(harness.CliTest):
     def test_the_same_in_all_ways(self):
         for options in self.FAMILIES:
             with self.subTest(options=options):
-                mesh = self.mesh(*options)
-                self.assertEqual(harness.open_edges(mesh), [])
-                self.assertTrue(mesh.points == self.points(*options, "--exhaustive"))
-                self.assertTrue(mesh.points == self.points(*options, "--threads", 1, "--instructions", "portable"))
-                self.ok("plan", "tiles", "t.obj", *LOW, *options, "--tiles", 3, "-o", "plan")
-                self.ok("submit", "plan", "--engine", "parallel", "--mesh", "tiles.ply")
-                self.assertTrue(mesh.points == harness.read_ply(self.bytes("tiles.ply")).points)
-                shutil.rmtree(self.path("plan"))
+                self.assert_the_same_in_all_ways(*options)
 
     def test_a_recipe_holds_it(self):
         for options in self.FAMILIES:

@@ -3,7 +3,6 @@
 """Versors that are formulas, fields of directions, layers and symmetric: what they are, the laws of every other fractal
 (skipped as exhaustive, tiles as one run, any threads, recipes again), and the refusal of what gives no direction."""
 import math
-import shutil
 import unittest
 
 import pyopenvdb
@@ -12,7 +11,7 @@ import harness
 import test_painting
 from harness import BAD_DATA, NO_INPUT, USAGE
 
-LOW = ("--resolution", 40, "--sdf-resolution", 40)
+LOW = harness.TextureTest.LOW
 WORLD = ("--space", "world", "--alpha", 12, "--beta", 0.02)
 
 
@@ -36,18 +35,11 @@ def write_grids(path, voxel, grids, low=-30, high=30, keep=lambda x, y, z: True)
     pyopenvdb.write(str(path), grids=made)
 
 
-class Layers(harness.CliTest):
+class Layers(harness.TextureTest):
 
     def setUp(self):
         super().setUp()
         self.write("t.obj", harness.obj(harness.lumpy()))
-
-    def mesh(self, *options):
-        self.ok("fractal", "t.obj", *LOW, *options, "--mesh", "x.ply")
-        return harness.read_ply(self.bytes("x.ply"))
-
-    def points(self, *options):
-        return self.mesh(*options).points
 
     def assert_alike(self, one, other, share=0.99):
         """Meshes that differ by rounding: nearly all points of the one are points of the other."""
@@ -163,14 +155,7 @@ class Layers(harness.CliTest):
         self.field()
         for options in self.FAMILIES:
             with self.subTest(options=options):
-                mesh = self.mesh(*options)
-                self.assertEqual(harness.open_edges(mesh), [])
-                self.assertTrue(mesh.points == self.points(*options, "--exhaustive"))
-                self.assertTrue(mesh.points == self.points(*options, "--threads", 1, "--instructions", "portable"))
-                self.ok("plan", "tiles", "t.obj", *LOW, *options, "--tiles", 3, "-o", "plan")
-                self.ok("submit", "plan", "--engine", "parallel", "--mesh", "tiles.ply")
-                self.assertTrue(mesh.points == harness.read_ply(self.bytes("tiles.ply")).points)
-                shutil.rmtree(self.path("plan"))
+                self.assert_the_same_in_all_ways(*options)
 
     def test_a_recipe_holds_them(self):
         self.field()
