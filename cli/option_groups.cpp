@@ -27,6 +27,7 @@ OptionGroups::OptionGroups(const vdbtools::OptionTable& table) : mOthers("What t
     for (const vdbtools::OptionSpec& option : options) mHeadings.emplace(option.name, heading);
   };
   add("Target", vdbtools::targetOptionSpecs());
+  add("Motion", vdbtools::restOptionSpecs());
   add("Detail", vdbtools::shellOptions());
   add("Texture", vdbtools::rootsOptions());
   add("Texture", {vdbtools::frequencyOption()});

@@ -30,6 +30,7 @@ ORDER = [
     "vdbtools/exponent",
     "vdbtools/grain",
     "vdbtools/target",
+    "vdbtools/motion",
     "vdbtools/field",
     "vdbtools/surface",
     "vdbtools/picture",

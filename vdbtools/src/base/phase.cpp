@@ -14,6 +14,7 @@ const char* nameOf(PhaseKind kind) {
     case PhaseKind::DistanceField: return "distance field";
     case PhaseKind::LocalThickness: return "local thickness";
     case PhaseKind::Grain: return "grain";
+    case PhaseKind::Motion: return "motion";
     case PhaseKind::WideningTheBand: return "widening the band";
     case PhaseKind::Exponent: return "exponent";
     case PhaseKind::Proofs: return "proofs";

@@ -85,6 +85,7 @@ OptionTable fractalOptionTable(const MapRegistry& maps) {
     for (OptionSpec& option : some) options.push_back(std::move(option));
   };
   add(targetOptionSpecs());
+  add(restOptionSpecs());
   add({maps.option()});
   add(spaceOptionSpecs());
   add(latticeOptionSpecs());
@@ -101,6 +102,7 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   const RecipeReader reader(recipe, table);
   FractalOptions options;
   options.target = parseTargetOptions(reader);
+  options.rest = parseRestOptions(reader, options.target);
   options.space = parseSpaceOptions(reader);
   options.map = maps.find(reader.text("map"))->parse(reader);
   options.lattice = parseLatticeOptions(reader);
@@ -113,6 +115,8 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   for (const VertexColumn& column : meshColumns(options.output.attributes)) grids.push_back(column.name);
   options.output.gridNames = parseGridNames(reader.text("grid-names"), grids);
   requireSources(reader, options);
+  if (options.rest && !options.map->shell())
+    reader.refuse("map", "shape-modulus, as only its fractal follows a target that moves");
   if (options.lattice.automatic && !options.map->shell())
     reader.refuse("resolution", "a number, as only --map shape-modulus has a texture by which to choose it");
   return options;

@@ -6,6 +6,7 @@
 #include "repair/solid_input.h"
 #include "scene/file_hashes.h"
 #include "scene/placed_target.h"
+#include "scene/posed_scene.h"
 #include "scene/scene_colouring.h"
 #include "scene/target_parts.h"
 
@@ -142,6 +143,7 @@ Metadata targetMetadata(const Target& target) {
 std::vector<NamedFile> filesOf(const FractalOptions& options) {
   std::vector<NamedFile> files = options.map->files();
   if (options.target && !options.target->mesh) files.push_back(options.target->input);
+  if (options.rest && options.rest->file && !options.rest->mesh) files.push_back(*options.rest->file);
   const std::optional<ColourChoice>& colour = options.output.attributes.colour;
   if (colour && colour->picture) files.push_back(*colour->picture);
   return files;
@@ -181,6 +183,14 @@ struct SceneMaker::Shared {
       target = std::make_unique<SharedTarget>(*options.target, open, monitor);
     target->hash = hash;
     return *target;
+  }
+
+  /// The target at rest. Points in memory that are the same as those of the last scene are the same mesh.
+  TargetOptions targetAtRest(const FractalOptions& options) {
+    TargetOptions rest = vdbtools::targetAtRest(*options.rest, *options.target);
+    if (rest.mesh && target && target->options().mesh && sha256OfMesh(*rest.mesh) == target->hash)
+      rest.mesh = target->options().mesh;
+    return rest;
   }
 
   TargetOpener open;
@@ -294,6 +304,18 @@ void setLattice(Scene& scene, const std::optional<BBoxd>& shape, const MapFiles&
 }  // namespace
 
 Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
+  if (!options.rest) return makeStill(options, monitor);
+  requireTarget(options);
+  FractalOptions atRest = options;
+  atRest.target = mShared->targetAtRest(options);
+  atRest.rest.reset();
+  atRest.lattice.box.reset();
+  Scene scene = makeStill(atRest, monitor);
+  poseScene(scene, options, mShared->target->input(), mShared->open, monitor);
+  return scene;
+}
+
+Scene SceneMaker::makeStill(const FractalOptions& options, Monitor& monitor) {
   openvdb::initialize();
   Scene scene;
   scene.options = options;
@@ -356,7 +378,7 @@ std::uint64_t VersorSeeds::first() const { return mScene.field.map->seed().value
 
 std::unique_ptr<julia::FieldEvaluator> VersorSeeds::evaluator(std::uint64_t seed) const {
   const std::shared_ptr<const MapInstance> map = mScene.field.map->reseeded(seed);
-  return map->evaluator(chooseArithmetic(mScene, *map), mScene.field.orbit);
+  return carriedAlong(map->evaluator(chooseArithmetic(mScene, *map), mScene.field.orbit), mScene.field.deformation);
 }
 
 FieldPlan planScene(const Scene& scene, const std::optional<openvdb::CoordBBox>& window) {

@@ -338,6 +338,11 @@ std::vector<OptionSpec> targetOptionSpecs() {
   return options;
 }
 
+MeshMoment momentOfFrame(const RecipeReader& reader, double frame) {
+  const AnimationOptions options = animationRows().read(reader);
+  return {frame / options.fps, options.name};
+}
+
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader) {
   TargetOptions options{.mend = parseMendOptions(reader)};
   targetRows().read(reader, options);

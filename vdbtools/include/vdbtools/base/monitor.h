@@ -22,6 +22,7 @@ enum class PhaseKind {
   DistanceField,
   LocalThickness,
   Grain,
+  Motion,
   WideningTheBand,
   Exponent,
   Proofs,

@@ -6,6 +6,7 @@
 
 #include "vdbtools/field/lattice_options.h"
 #include "vdbtools/maps/map_registry.h"
+#include "vdbtools/motion/rest_options.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
@@ -37,6 +38,7 @@ struct OutputOptions {
 
 struct FractalOptions {
   std::optional<TargetOptions> target;
+  std::optional<RestOptions> rest{};  ///< where its points are at rest; none: the target does not move
   SpaceOptions space;
   std::shared_ptr<const MapSettings> map;
   LatticeOptions lattice;

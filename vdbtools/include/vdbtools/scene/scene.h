@@ -13,6 +13,7 @@
 #include "vdbtools/scene/feature_sizes.h"
 #include "vdbtools/scene/fractal_options.h"
 
+#include "julia/deformed_evaluator.h"
 #include "julia/evaluator.h"
 
 #include <cstddef>
@@ -77,6 +78,8 @@ struct SceneField {
   julia::OrbitOptions orbit{};
   Arithmetic arithmetic = Arithmetic::Double;  ///< as options.precision requests, or chosen automatically
   std::unique_ptr<julia::FieldEvaluator> evaluator{};
+  /// From a pose to the target at rest, if the options say how it is there; the evaluator is made with it.
+  std::shared_ptr<const julia::Deformation> deformation{};
   FractalSpace
       space{};  ///< the space of the evaluator's points: Scene::placed's, moved by the map's shift of the lattice
 };
@@ -131,6 +134,7 @@ class SceneMaker {
 
  private:
   struct Shared;
+  Scene makeStill(const FractalOptions& options, Monitor& monitor);
   std::unique_ptr<Shared> mShared;
 };
 

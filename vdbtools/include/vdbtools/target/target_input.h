@@ -45,6 +45,9 @@ std::string sha256OfMesh(const Mesh& mesh);
 /// Whether the voxels of a recipe's mesh are chosen by its thin parts.
 bool hasAutomaticSdfResolution(const Recipe& recipe);
 
+/// The moment of frame @a frame of the target's animation, as --target-fps and --target-animation say.
+MeshMoment momentOfFrame(const RecipeReader& reader, double frame);
+
 /// Returns nullopt if the recipe names no input. @throw std::invalid_argument
 std::optional<TargetOptions> parseTargetOptions(const RecipeReader& reader);
 

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+/// @file surface_motion.h
+/// The room `motion` carries a fractal along with a surface that moves. It uses the rooms up to `target`.
+///
+/// This header declares how a neighbourhood of one surface is mapped to that of another one with the same triangles,
+/// such as from an animated mesh to the same mesh at rest (docs/design.md 2.16). On the surface the map is exact:
+/// a point of a triangle goes to the point with the same barycentric weights. The difference between a point x beside
+/// the surface and its nearest point p is mapped linearly:
+///
+///   rho(x) = P + T (x - p)
+///
+/// P is the image of p. T is the mean of the gradients of the triangles about each vertex, interpolated in triangles.
+#pragma once
+
+#include "vdbtools/mesh/mesh.h"
+
+#include <openvdb/math/Mat3.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace vdbtools {
+
+/// What becomes of the distance to a surface whose area changes.
+enum class MotionDepth {
+  Stretched,  ///< it changes by as much as lengths in the surface do, as the square root of the area
+  Kept,       ///< it is the same distance, world units
+};
+
+/// An affine map of world space.
+struct AffineMap {
+  openvdb::Mat3d matrix = openvdb::Mat3d::identity();
+  openvdb::Vec3d offset{0, 0, 0};
+
+  openvdb::Vec3d operator()(const openvdb::Vec3d& x) const { return matrix * x + offset; }
+};
+
+class SurfaceMotion {
+ public:
+  /// @throw DataError  the meshes do not have the same triangles, one is turned inside out, or has no area
+  SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth);
+  ~SurfaceMotion();
+
+  /// The map that fits best to all of the surface. Where it is the whole truth, rho equals it, up to rounding.
+  const AffineMap& overall() const;
+
+  /// The triangles of the first surface; their corners lie at points().
+  const std::vector<openvdb::Vec3I>& triangles() const;
+  /// World units of the first surface.
+  std::vector<openvdb::Vec3d> points() const;
+
+  /// Leaves triangles out of those to which points may be nearest, because they are hidden inside the solid.
+  /// @param shown  the numbers of those that stay; not empty
+  void showOnly(const std::vector<std::uint32_t>& shown);
+
+  struct Image {
+    openvdb::Vec3d at;         ///< rho(x), world units of the other surface
+    openvdb::Mat3d gradient;   ///< of rho at x, for x that keep their nearest point
+    double distance = 0;       ///< |T (x - p)|, world units of the other surface
+    std::uint32_t hint = 0;    ///< for points beside x
+  };
+  /// @param hint  makes the search faster and changes nothing else
+  Image carry(const openvdb::Vec3d& x, std::optional<std::uint32_t> hint = std::nullopt) const;
+  /// The same if the triangle to which x is nearest is known; without a hint.
+  Image carryBy(std::uint32_t triangle, const openvdb::Vec3d& x) const;
+
+  /// How much longer the distances beside the surface may be than those beside the other one: a factor that is exceeded
+  /// on half a per cent of the surface.
+  double greatestGrowth() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> mParts;
+};
+
+}  // namespace vdbtools

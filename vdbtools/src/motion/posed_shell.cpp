@@ -1,0 +1,508 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "motion/posed_shell.h"
+
+#include "base/in_parallel.h"
+#include "base/lattice_field.h"
+#include "distance/leaves.h"
+#include "search/triangle_tree.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/SignedFloodFill.h>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace vdbtools {
+namespace {
+
+using julia::Decision;
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using openvdb::Mat3d;
+using openvdb::Vec3d;
+
+/// What is known of a cell of the lattice. A cell over which rho is interpolated has a bound of its slope instead.
+constexpr float kOutside = -1, kInside = -2, kJumps = -3;
+/// What the plan knows of a cell. Cells that are far from the shell have the sign of the pose's distances.
+constexpr float kFar = 0, kUndecided = 1, kDecidedInside = 2, kDecidedOutside = 3;
+
+/// Numbers for a box of lattice cells, and their extremes over blocks of cells.
+class CellTable {
+ public:
+  CellTable(const CoordBBox& cells, float elsewhere) : mCells(cells), mSize(cells.dim()), mElsewhere(elsewhere) {
+    mValues.assign(static_cast<std::size_t>(mSize[0]) * static_cast<std::size_t>(mSize[1]) *
+                       static_cast<std::size_t>(mSize[2]),
+                   elsewhere);
+  }
+
+  const CoordBBox& cells() const { return mCells; }
+  float& at(const Coord& cell) { return mValues[index(cell)]; }
+  float at(const Coord& cell) const { return mCells.isInside(cell) ? mValues[index(cell)] : mElsewhere; }
+
+  struct Extremes {
+    float least = std::numeric_limits<float>::infinity(), most = -std::numeric_limits<float>::infinity();
+    void meet(float value) {
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+    void meet(const Extremes& other) {
+      least = std::min(least, other.least);
+      most = std::max(most, other.most);
+    }
+  };
+
+  void finish() {
+    const Coord blocks = (mSize + Coord(kBlockSide - 1)) >> kLog2;
+    mBlockSize = blocks;
+    mBlocks.assign(static_cast<std::size_t>(blocks[0]) * static_cast<std::size_t>(blocks[1]) *
+                       static_cast<std::size_t>(blocks[2]),
+                   {});
+    for (int x = 0; x < mSize[0]; ++x)
+      for (int y = 0; y < mSize[1]; ++y)
+        for (int z = 0; z < mSize[2]; ++z)
+          mBlocks[blockIndex(Coord(x, y, z) >> kLog2)].meet(mValues[index(mCells.min() + Coord(x, y, z))]);
+  }
+
+  /// Bounds of the values in a box of cells.
+  Extremes over(CoordBBox box) const {
+    Extremes result;
+    if (!mCells.isInside(box)) {
+      result.meet(mElsewhere);
+      box.intersect(mCells);
+      if (box.empty()) return result;
+    }
+    constexpr int kFew = 6;
+    const Coord dim = box.dim(), first = box.min() - mCells.min(), last = box.max() - mCells.min();
+    if (std::max({dim[0], dim[1], dim[2]}) <= kFew) {
+      for (int x = box.min()[0]; x <= box.max()[0]; ++x)
+        for (int y = box.min()[1]; y <= box.max()[1]; ++y)
+          for (int z = box.min()[2]; z <= box.max()[2]; ++z) result.meet(mValues[index(Coord(x, y, z))]);
+      return result;
+    }
+    for (int x = first[0] >> kLog2; x <= last[0] >> kLog2; ++x)
+      for (int y = first[1] >> kLog2; y <= last[1] >> kLog2; ++y)
+        for (int z = first[2] >> kLog2; z <= last[2] >> kLog2; ++z) result.meet(mBlocks[blockIndex(Coord(x, y, z))]);
+    return result;
+  }
+
+ private:
+  static constexpr int kLog2 = 2, kBlockSide = 1 << kLog2;
+
+  std::size_t index(const Coord& cell) const {
+    const Coord at = cell - mCells.min();
+    return (static_cast<std::size_t>(at[0]) * static_cast<std::size_t>(mSize[1]) + static_cast<std::size_t>(at[1])) *
+               static_cast<std::size_t>(mSize[2]) +
+           static_cast<std::size_t>(at[2]);
+  }
+  std::size_t blockIndex(const Coord& at) const {
+    return (static_cast<std::size_t>(at[0]) * static_cast<std::size_t>(mBlockSize[1]) +
+            static_cast<std::size_t>(at[1])) *
+               static_cast<std::size_t>(mBlockSize[2]) +
+           static_cast<std::size_t>(at[2]);
+  }
+
+  CoordBBox mCells;
+  Coord mSize, mBlockSize{};
+  float mElsewhere;
+  std::vector<float> mValues;
+  std::vector<Extremes> mBlocks;
+};
+
+/// From points of fractal space to the lattice's index space, and to points of fractal space by the overall map.
+struct PoseSpace {
+  PoseSpace(const FractalSpace& space, const openvdb::math::Transform& lattice, const AffineMap& overall) {
+    const auto column = [](const auto& map) {
+      AffineMap result;
+      result.offset = map(Vec3d(0));
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3d unit(0);
+        unit[axis] = 1;
+        result.matrix.setCol(axis, map(unit) - result.offset);
+      }
+      return result;
+    };
+    const auto world = [&](const Vec3d& x) { return space.toWorld({x[0], x[1], x[2]}); };
+    toIndex = column([&](const Vec3d& x) { return lattice.worldToIndex(world(x)); });
+    overallMap = {overall.matrix, (overall(space.centre) - space.centre) / space.scale};
+  }
+
+  AffineMap toIndex, overallMap;
+};
+
+Vec3d vectorOf(const julia::Point& x) { return {x[0], x[1], x[2]}; }
+julia::Point pointOf(const Vec3d& x) { return {x[0], x[1], x[2]}; }
+
+class PoseDeformation final : public julia::Deformation {
+ public:
+  using Field = std::shared_ptr<const julia::ScalarField<double>>;
+
+  PoseDeformation(const PoseSpace& pose, const FractalSpace& space, CellTable cells, std::array<Field, 3> beyond,
+                  std::shared_ptr<const SurfaceMotion> motion)
+      : mPose(pose),
+        mSpace(space),
+        mCells(std::move(cells)),
+        mBeyond(std::move(beyond)),
+        mMotion(std::move(motion)) {
+    // The norm of a matrix M is the root of that of M^T M, which is at most its largest sum over a row.
+    const Mat3d squares = mPose.toIndex.matrix.transpose() * mPose.toIndex.matrix;
+    for (int row = 0; row < 3; ++row)
+      mIndexStretch = std::max(mIndexStretch, std::sqrt(std::abs(squares(row, 0)) + std::abs(squares(row, 1)) +
+                                                        std::abs(squares(row, 2))));
+  }
+
+  void carry(std::span<const julia::Point> points, std::span<julia::Point> carried,
+             std::span<Decision> decisions) const override {
+    std::vector<std::size_t> smooth;
+    smooth.reserve(points.size());
+    std::optional<std::uint32_t> hint;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const float cell = mCells.at(Coord::floor(mPose.toIndex(vectorOf(points[i]))));
+      decisions[i] = Decision::Undecided;
+      if (cell >= 0) {
+        smooth.push_back(i);
+      } else if (cell == kJumps) {
+        const SurfaceMotion::Image image = mMotion->carry(mSpace.toWorld(points[i]), hint);
+        carried[i] = mSpace.toFractal(image.at);
+        hint = image.hint;
+      } else {
+        decisions[i] = cell == kInside ? Decision::Inside : Decision::Outside;
+      }
+    }
+    interpolate(points, smooth, carried);
+  }
+
+  void images(std::span<const julia::Point> centres, double radius, std::span<Image> images) const override {
+    constexpr double kSlack = 1e-6;
+    std::vector<std::size_t> smooth;
+    std::vector<julia::Point> carried(centres.size());
+    const Vec3d reach(radius * mIndexStretch * (1 + kSlack) + kSlack);
+    for (std::size_t i = 0; i < centres.size(); ++i) {
+      images[i] = {.radius = std::numeric_limits<double>::infinity()};
+      const Vec3d at = mPose.toIndex(vectorOf(centres[i]));
+      const CellTable::Extremes over = mCells.over({Coord::floor(at - reach), Coord::floor(at + reach)});
+      if (over.least >= 0) {
+        smooth.push_back(i);
+        images[i].radius = double{over.most} * radius * (1 + kSlack);
+      } else if (over.least == over.most && over.least != kJumps) {
+        images[i].decision = over.least == kInside ? Decision::Inside : Decision::Outside;
+      }
+    }
+    interpolate(centres, smooth, carried);
+    for (const std::size_t i : smooth) {
+      images[i].centre = carried[i];
+      const Vec3d size = vectorOf(carried[i]);
+      images[i].radius += kRounding * (1 + size.length());
+    }
+  }
+
+ private:
+  static constexpr double kRounding = 1e-12;  ///< of positions in fractal space
+
+  /// @param which  numbers of points in cells over which rho is interpolated
+  void interpolate(std::span<const julia::Point> points, const std::vector<std::size_t>& which,
+                   std::span<julia::Point> carried) const {
+    if (which.empty()) return;
+    std::array<std::vector<double>, 3> at;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      at[axis].resize(which.size());
+      for (std::size_t k = 0; k < which.size(); ++k) at[axis][k] = points[which[k]][axis];
+    }
+    for (const std::size_t i : which) carried[i] = pointOf(mPose.overallMap(vectorOf(points[i])));
+    std::vector<double> beyond(which.size());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      mBeyond[axis]->sample(at[0], at[1], at[2], beyond);
+      for (std::size_t k = 0; k < which.size(); ++k) carried[which[k]][axis] += beyond[k];
+    }
+  }
+
+  PoseSpace mPose;
+  FractalSpace mSpace;
+  CellTable mCells;
+  std::array<Field, 3> mBeyond;  ///< what rho adds to the overall map, fractal space
+  std::shared_ptr<const SurfaceMotion> mMotion;
+  double mIndexStretch = 0;
+};
+
+/// rho at the nodes of a leaf of the pose's distances, in units of fractal space.
+struct LeafImages {
+  std::array<Vec3d, 512> beyond;    ///< what rho adds to the overall map
+  std::array<Mat3d, 512> gradient;  ///< of rho
+  std::array<bool, 512> known{};
+};
+
+/// Leaves out the triangles that lie inside the solid altogether: others cover them.
+void hideCovered(SurfaceMotion& motion, const Target& pose) {
+  constexpr double kDeep = 1.5;  // voxels
+  const double deep = -kDeep * pose.phi->voxelSize()[0];
+  const auto accessor = pose.phi->getConstAccessor();
+  const std::vector<Vec3d> points = motion.points();
+  std::vector<bool> isDeep(points.size());
+  for (std::size_t i = 0; i < isDeep.size(); ++i)
+    isDeep[i] = static_cast<double>(openvdb::tools::BoxSampler::sample(accessor, pose.phi->worldToIndex(points[i]))) < deep;
+  std::vector<std::uint32_t> shown;
+  for (std::size_t i = 0; i < motion.triangles().size(); ++i) {
+    const openvdb::Vec3I& t = motion.triangles()[i];
+    if (!(isDeep[t[0]] && isDeep[t[1]] && isDeep[t[2]])) shown.push_back(static_cast<std::uint32_t>(i));
+  }
+  if (!shown.empty() && shown.size() < motion.triangles().size()) motion.showOnly(shown);
+}
+
+/// Sets the cells in blocks of the lattice that have no leaf, and whose distances are negative.
+void fillInside(CellTable& cells, const FloatGrid& phi) {
+  const auto distances = phi.getConstAccessor();
+  const CoordBBox blocks(cells.cells().min() >> 3, cells.cells().max() >> 3);
+  for (auto block = blocks.begin(); block; ++block) {
+    const Coord origin = *block << 3;
+    if (distances.probeConstLeaf(origin) || !(distances.getValue(origin) < 0)) continue;
+    for (auto cell = CoordBBox::createCube(origin, 8).begin(); cell; ++cell) cells.at(*cell) = kInside;
+  }
+}
+
+constexpr int kCorners = 8;
+
+/// The corners of a cell: bit 2 of the number is x, bit 0 is z.
+Coord corner(const Coord& cell, int k) { return cell + Coord(k >> 2 & 1, k >> 1 & 1, k & 1); }
+
+/// Values of the nodes of the plan's grid.
+constexpr float kPlanned = 2, kPlanEnd = 1;
+
+/// The grid of a plan: 0 at the corners of undecided cells, elsewhere of the sign of F.
+FloatGrid::Ptr plannedGrid(const FloatGrid& phi, const CellTable& decided) {
+  const auto tree = std::make_shared<openvdb::FloatTree>(phi.tree(), kPlanned, openvdb::TopologyCopy());
+  std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
+  tree->getNodes(leaves);
+  const std::vector<const openvdb::FloatTree::LeafNodeType*> distances = leavesOf(phi.tree());
+  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
+    for (auto value = leaves[i]->beginValueOn(); value; ++value) {
+      const Coord node = value.getCoord();
+      bool isIn = false, isOut = false, isUndecided = false;
+      for (int k = 0; k < kCorners; ++k) {
+        const float cell = decided.at(corner(node, k) - Coord(1));
+        isUndecided |= cell == kUndecided;
+        isIn |= cell == kDecidedInside;
+        isOut |= cell == kDecidedOutside;
+      }
+      const bool isInside = isIn || (!isOut && distances[i]->getValue(value.pos()) < 0);
+      value.setValue(isUndecided || (isIn && isOut) ? 0 : isInside ? -kPlanned : kPlanned);
+    }
+  });
+  openvdb::tools::signedFloodFillWithValues(*tree, kPlanned, -kPlanned);
+  const FloatGrid::Ptr plan = FloatGrid::create(tree);
+  plan->setTransform(phi.transform().copy());
+  return plan;
+}
+
+/// The part of the undecided cells over which rho jumps.
+double jumpsIn(const CellTable& cells, const CellTable& decided) {
+  std::uint64_t undecided = 0, jumping = 0;
+  for (auto cell = cells.cells().begin(); cell; ++cell) {
+    if (decided.at(*cell) != kUndecided) continue;
+    ++undecided;
+    jumping += cells.at(*cell) == kJumps;
+  }
+  return undecided > 0 ? static_cast<double>(jumping) / static_cast<double>(undecided) : 0;
+}
+
+}  // namespace
+
+DetailReach reachAtRest(const ExponentGrid& exponent, const Target& atRest) {
+  // Cells that are undecided may have decided corners, which lie at most a cell's diagonal away.
+  const double diagonal = std::sqrt(3.) * exponent.grid->voxelSize()[0];
+  const julia::ShellInterval& shell = exponent.shellOfNodes;
+  DetailReach reach;
+  const auto phi = atRest.phi->getConstAccessor();
+  for (auto value = exponent.grid->cbeginValueOn(); value; ++value) {
+    if (!(static_cast<double>(*value) > shell.lower && static_cast<double>(*value) < shell.upper)) continue;
+    const double distance = static_cast<double>(phi.getValue(value.getCoord()));
+    reach.outside = std::max(reach.outside, distance);
+    reach.inside = std::max(reach.inside, -distance);
+  }
+  return {reach.outside + diagonal, reach.inside + diagonal};
+}
+
+PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, const Target& pose,
+                      std::shared_ptr<SurfaceMotion> motion, Monitor& monitor) {
+  hideCovered(*motion, pose);
+  const FractalSpace& space = exponent.space;
+  const FloatGrid& phi = *pose.phi;
+  const double voxel = phi.voxelSize()[0], step = voxel / space.scale;
+  const PoseSpace place(space, phi.transform(), motion->overall());
+  const std::vector<const openvdb::FloatTree::LeafNodeType*> leaves = leavesOf(phi.tree());
+  CoordBBox nodes;
+  for (const auto* leaf : leaves) nodes.expand(leaf->getNodeBoundingBox());
+
+  // rho at the nodes that the shell may reach.
+  constexpr double kMargin = 2;  // voxels
+  const double growth = motion->greatestGrowth();
+  const double outside = growth * reach.outside + kMargin * voxel, inside = growth * reach.inside + kMargin * voxel;
+  std::vector<std::unique_ptr<LeafImages>> images(leaves.size());
+  const auto toFractal = [&](const Vec3d& world) { return vectorOf(space.toFractal(world)); };
+  std::vector<Vec3d> points = motion->points();
+  for (Vec3d& point : points) point = phi.worldToIndex(point);
+  const TriangleTree tree(points, motion->triangles(), {}, TriangleTree::Frames::Once);
+  tbb::enumerable_thread_specific<BlockDistances> nearest([&] { return BlockDistances(tree); });
+  inParallel(leaves.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
+    BlockDistances& block = nearest.local();
+    std::array<bool, 512> wanted;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& leaf = *leaves[i];
+      float far = -1;
+      for (unsigned offset = 0; offset < 512; ++offset) {
+        const double distance = static_cast<double>(leaf.getValue(offset));
+        wanted[offset] = leaf.isValueOn(offset) && distance <= outside && -distance <= inside;
+        if (wanted[offset]) far = std::max(far, static_cast<float>(std::abs(distance) / voxel));
+      }
+      if (far < 0) continue;
+      // Distances to a solid that was mended may differ from those to its mesh.
+      constexpr float kMended = 8;
+      block.evaluate(leaf.origin(), far + kMended);
+      images[i] = std::make_unique<LeafImages>();
+      for (unsigned offset = 0; offset < 512; ++offset) {
+        if (!wanted[offset]) continue;
+        const Vec3d world = phi.indexToWorld(leaf.offsetToGlobalCoord(offset));
+        const SurfaceMotion::Image image = std::isfinite(block.distances()[offset])
+                                               ? motion->carryBy(block.triangles()[offset], world)
+                                               : motion->carry(world);
+        images[i]->known[offset] = true;
+        images[i]->beyond[offset] = toFractal(image.at) - place.overallMap(toFractal(world));
+        images[i]->gradient[offset] = image.gradient;
+      }
+    }
+  });
+
+  // Finds a node's leaf by the position of the leaf.
+  openvdb::Int32Tree numbers(-1);
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    if (images[i]) numbers.setValueOn(leaves[i]->origin(), static_cast<std::int32_t>(i));
+  CellTable cells(nodes, kOutside);
+  fillInside(cells, phi);
+  CellTable decided(nodes, kFar);
+  const auto field = makeExponentField<double>(exponent);
+  inParallel(leaves.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
+    const openvdb::tree::ValueAccessor<const openvdb::Int32Tree> numberOf(numbers);
+    const auto distances = phi.getConstAccessor();
+    for (std::size_t i = begin; i < end; ++i) {
+      std::array<const LeafImages*, kCorners> around{};
+      for (int k = 0; k < kCorners; ++k) {
+        const Coord origin = leaves[i]->origin() + Coord(8 * (k >> 2 & 1), 8 * (k >> 1 & 1), 8 * (k & 1));
+        const std::int32_t number = numberOf.getValue(origin);
+        around[static_cast<std::size_t>(k)] = number < 0 ? nullptr : images[static_cast<std::size_t>(number)].get();
+      }
+      std::vector<std::array<double, 3>> centres;
+      std::vector<double> radii;
+      std::vector<unsigned> which;
+      for (unsigned offset = 0; offset < 512; ++offset) {
+        const Coord cell = leaves[i]->offsetToGlobalCoord(offset);
+        std::array<Vec3d, kCorners> beyond;
+        std::array<const Mat3d*, kCorners> gradient{};
+        int known = 0;
+        bool isInside = false;
+        for (int k = 0; k < kCorners; ++k) {
+          const Coord node = corner(cell, k), local = node - leaves[i]->origin();
+          const LeafImages* const leaf = around[static_cast<std::size_t>(4 * (local[0] >> 3) + 2 * (local[1] >> 3) + (local[2] >> 3))];
+          const auto at = static_cast<std::size_t>((local[0] & 7) << 6 | (local[1] & 7) << 3 | (local[2] & 7));
+          if (!leaf || !leaf->known[at]) {
+            isInside |= distances.getValue(node) < 0;
+            continue;
+          }
+          ++known;
+          beyond[static_cast<std::size_t>(k)] = leaf->beyond[at];
+          gradient[static_cast<std::size_t>(k)] = &leaf->gradient[at];
+        }
+        float& state = cells.at(cell);
+        if (known < kCorners) {
+          state = isInside ? kInside : kOutside;
+          continue;
+        }
+        // Along each axis: what rho does from a node to the next one, per node.
+        constexpr double kJump = 0.25;  // nodes by which rho may differ from what its gradients say
+        const Mat3d& overall = place.overallMap.matrix;
+        Mat3d mean = Mat3d::zero();
+        double apart = 0;
+        bool jumps = false;
+        for (int axis = 0; axis < 3; ++axis) {
+          const int bit = 4 >> axis;
+          const Vec3d usual = overall.col(axis) * step;
+          std::array<Vec3d, 4> steps;
+          std::size_t count = 0;
+          for (int k = 0; k < kCorners; ++k) {
+            if (k & bit) continue;
+            const auto a = static_cast<std::size_t>(k), b = static_cast<std::size_t>(k | bit);
+            const Vec3d went = usual + beyond[b] - beyond[a];
+            for (const std::size_t end2 : {a, b})
+              jumps |= !((went - gradient[end2]->col(axis) * step).length() <= kJump * std::max(step, usual.length()));
+            steps[count++] = went;
+          }
+          const Vec3d middle = (steps[0] + steps[1] + steps[2] + steps[3]) * 0.25;
+          double most = 0;
+          for (const Vec3d& one : steps) most = std::max(most, (one - middle).lengthSqr());
+          mean.setCol(axis, middle / step);
+          apart += most / (step * step);
+        }
+        if (jumps) {
+          state = kJumps;
+          decided.at(cell) = kUndecided;
+          continue;
+        }
+        const Mat3d squares = mean.transpose() * mean;
+        double norm = 0;
+        for (int row = 0; row < 3; ++row)
+          norm = std::max(norm, std::abs(squares(row, 0)) + std::abs(squares(row, 1)) + std::abs(squares(row, 2)));
+        constexpr double kUp = 1 + 1e-5;
+        const double slope = (std::sqrt(norm) + std::sqrt(apart)) * kUp;
+        state = static_cast<float>(slope);
+        Vec3d centre(0);
+        for (const Vec3d& one : beyond) centre += one * 0.125;
+        centre += place.overallMap(toFractal(phi.indexToWorld(cell.asVec3d() + Vec3d(0.5))));
+        centres.push_back(pointOf(centre));
+        radii.push_back(slope * step * std::sqrt(0.75) * kUp);
+        which.push_back(offset);
+      }
+      std::vector<julia::ValueRange> ranges(which.size());
+      field->ranges(centres, radii, ranges);
+      for (std::size_t k = 0; k < which.size(); ++k) {
+        const bool isIn = ranges[k].high <= exponent.shell.lower, isOut = ranges[k].low >= exponent.shell.upper;
+        decided.at(leaves[i]->offsetToGlobalCoord(which[k])) = isIn ? kDecidedInside : isOut ? kDecidedOutside : kUndecided;
+      }
+    }
+  });
+  cells.finish();
+
+  PosedShell result;
+  const FloatGrid::Ptr plan = plannedGrid(phi, decided);
+  result.jumps = jumpsIn(cells, decided);
+  result.exponent = exponent;
+  result.exponent.grid = plan;
+  result.exponent.shellOfNodes = {-kPlanEnd, kPlanEnd};
+  result.exponent.denseBox.reset();
+
+  std::array<PoseDeformation::Field, 3> beyond;
+  for (int axis = 0; axis < 3; ++axis) {
+    const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
+    grid->setTransform(phi.transform().copy());
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      if (!images[i]) continue;
+      auto* const leaf = grid->tree().touchLeaf(leaves[i]->origin());
+      for (unsigned offset = 0; offset < 512; ++offset)
+        if (images[i]->known[offset]) leaf->setValueOn(offset, static_cast<float>(images[i]->beyond[offset][axis]));
+    }
+    beyond[static_cast<std::size_t>(axis)] =
+        makeLatticeField<double>(*grid, nodes, space, julia::Interpolation::Trilinear);
+  }
+  result.deformation =
+      std::make_shared<const PoseDeformation>(place, space, std::move(cells), std::move(beyond), std::move(motion));
+  return result;
+}
+
+}  // namespace vdbtools
