@@ -79,7 +79,7 @@ FieldSamples sampleField(const SlicePlane& plane, const Scene& scene, vdbtools::
 std::unique_ptr<julia::FieldEvaluator> firstStep(const Scene& scene) {
   julia::OrbitOptions orbit = scene.field.orbit;
   orbit.maxIterations = 1;
-  return scene.field.map->evaluator(scene.field.arithmetic, orbit);
+  return scene.evaluator(orbit);
 }
 
 /// ln |f|.

@@ -51,6 +51,7 @@ void putNumbers(std::span<const double> values, const Cells& cells) {
 /// A batch of points, and the values that several columns need.
 struct PointAttributes::Batch {
   std::span<const Vec3d> world;
+  std::vector<Vec3d> atRest{};           ///< the same at rest, if a column needs that
   std::vector<julia::Point> points{};    ///< fractal space
   std::vector<double> iterations{};      ///< if a column needs them
   std::vector<SurfacePoint> onTarget{};  ///< the target's nearest points, if anything is transferred
@@ -132,10 +133,11 @@ PointAttributes::PointAttributes(const Scene& scene, const Vec3d& origin)
     offset = mFillers.empty() ? 0 : offset + componentsOf(mColumns[mFillers.size() - 1].kind);
     mFillers.push_back(std::make_unique<Column>(Column{offset, std::move(fill)}));
   };
-  const auto addControl = [&](const Control& control) {
-    add([control](const Batch& batch, const Cells& cells) {
+  const auto addControl = [&](const Control& control, bool isAtRest = false) {
+    mNeedsRest |= isAtRest;
+    add([control, isAtRest](const Batch& batch, const Cells& cells) {
       std::vector<double> values(batch.world.size());
-      control.sample(batch.world, values);
+      control.sample(isAtRest ? std::span<const Vec3d>(batch.atRest) : batch.world, values);
       putNumbers(values, cells);
     });
   };
@@ -164,8 +166,8 @@ PointAttributes::PointAttributes(const Scene& scene, const Vec3d& origin)
         add([](const Batch& batch, const Cells& cells) { putNumbers(batch.iterations, cells); });
         break;
       case PointAttribute::Depth: addControl(distanceControl(scene.target.value().distances)); break;
-      case PointAttribute::Tau: addControl(clampedControl(scene.target->thickness)); break;
-      case PointAttribute::Mask: addControl(scene.shellOptions().mask); break;
+      case PointAttribute::Tau: addControl(clampedControl(scene.target->thickness), true); break;
+      case PointAttribute::Mask: addControl(scene.shellOptions().mask, true); break;
     }
   if (options.transferred.empty()) return;
   if (!scene.target->mesh) throw std::logic_error("attributes are transferred from a mesh that is not there");
@@ -209,6 +211,7 @@ void PointAttributes::evaluate(std::span<const Vec3d> points, std::span<float> r
   if (mNeedsIterations)
     batch.iterations =
         meanIterations(*mScene.field.evaluator, batch.points, mScene.voxelSize / mScene.field.space.scale);
+  if (mNeedsRest) batch.atRest = mScene.atRest(points);
   if (mTransfer) batch.onTarget = mTransfer->nearest(points);
   for (const auto& column : mFillers) column->fill(batch, {rows.data() + column->offset, mRowLength});
 }

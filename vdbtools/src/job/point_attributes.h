@@ -46,6 +46,7 @@ class PointAttributes {
   std::vector<std::unique_ptr<const Column>> mFillers;  ///< one for each column
   std::unique_ptr<const Transfer> mTransfer;            ///< if attributes are transferred
   bool mNeedsIterations = false;
+  bool mNeedsRest = false;
 };
 
 /// Gives each point its row on the way to another sink.

@@ -434,6 +434,7 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
         for (int axis = 0; axis < 3; ++axis) {
           const int bit = 4 >> axis;
           const Vec3d usual = overall.col(axis) * step;
+          const double tolerance = kJump * kJump * std::max(step * step, usual.lengthSqr());
           std::array<Vec3d, 4> steps;
           std::size_t count = 0;
           for (int k = 0; k < kCorners; ++k) {
@@ -441,7 +442,7 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
             const auto a = static_cast<std::size_t>(k), b = static_cast<std::size_t>(k | bit);
             const Vec3d went = usual + beyond[b] - beyond[a];
             for (const std::size_t end2 : {a, b})
-              jumps |= !((went - gradient[end2]->col(axis) * step).length() <= kJump * std::max(step, usual.length()));
+              jumps |= !((went - gradient[end2]->col(axis) * step).lengthSqr() <= tolerance);
             steps[count++] = went;
           }
           const Vec3d middle = (steps[0] + steps[1] + steps[2] + steps[3]) * 0.25;

@@ -13,40 +13,38 @@
 namespace vdbtools {
 namespace {
 
-/// The mesh of a target. @param which  what the target is, for errors
-std::shared_ptr<const Mesh> requireMeshOf(const TargetInput& input, const char* which) {
-  if (std::shared_ptr<const Mesh> mesh = input.mesh()) return mesh;
+/// @param which  what the target is, for errors
+const Mesh& requireMesh(const std::shared_ptr<const Mesh>& mesh, const char* which) {
+  if (mesh) return *mesh;
   throw DataError(std::string("the target ") + which +
                   " is a VDB, which has no points that could move; give it as a mesh");
 }
 
 }  // namespace
 
-void poseScene(Scene& scene, const FractalOptions& options, const TargetInput& atRest, const TargetOpener& open,
-               Monitor& monitor) {
-  const std::shared_ptr<const Mesh> restMesh = requireMeshOf(atRest, "at rest");
+void poseScene(Scene& scene, const FractalOptions& options, const TargetOpener& open, Monitor& monitor) {
+  const SceneAtRest& rest = scene.rest.value();
   TargetOptions poseOptions = *options.target;
   // The lattice of the pose is that of a survey: it carries rho, and not the detail.
   if (poseOptions.mend.offset() == 0)
-    poseOptions.sdfVoxels = VoxelChoice{.resolution = longestSide(atRest.box()) / surveyVoxel(atRest.box())};
+    poseOptions.sdfVoxels = VoxelChoice{.resolution = longestSide(rest.box) / surveyVoxel(rest.box)};
   const std::unique_ptr<const TargetInput> pose = open(poseOptions, monitor);
-  const std::shared_ptr<const Mesh> poseMesh = requireMeshOf(*pose, "in its pose");
-  const auto motion = std::make_shared<SurfaceMotion>(*poseMesh, *restMesh, options.rest->depth);
+  const auto motion = std::make_shared<SurfaceMotion>(
+      requireMesh(pose->mesh(), "in its pose"), requireMesh(rest.mesh, "at rest"), options.rest->depth);
 
   SceneShell& shell = std::get<SceneShell>(scene.domain);
   SceneTarget& target = scene.target.value();
-  const DetailReach reach = reachAtRest(shell.exponent, target.distances);
+  const DetailReach reach = reachAtRest(rest.exponent, rest.distances);
   const double growth = motion->greatestGrowth();
-  const Target distances = pose->band(
-      pose->distances({.exterior = growth * reach.outside, .interior = growth * reach.inside}, monitor),
-      {.exterior = growth * reach.outside, .interior = growth * reach.inside}, monitor);
+  const BandWidths widths{.exterior = growth * reach.outside, .interior = growth * reach.inside};
+  const Target distances = pose->band(pose->distances(widths, monitor), widths, monitor);
   monitor.begin(PhaseKind::Motion, 0);
-  PosedShell posed = posedShell(shell.exponent, reach, distances, motion, monitor);
+  PosedShell posed = posedShell(rest.exponent, reach, distances, motion, monitor);
 
   shell.exponent = std::move(posed.exponent);
   target.distances = distances;
   target.volume = insideVolume(*distances.phi);
-  if (target.mesh) target.mesh = poseMesh;
+  if (target.mesh) target.mesh = pose->mesh();
   scene.field.deformation = std::move(posed.deformation);
   scene.field.evaluator = carriedAlong(std::move(scene.field.evaluator), scene.field.deformation);
 
@@ -58,7 +56,7 @@ void poseScene(Scene& scene, const FractalOptions& options, const TargetInput& a
   scene.options.target->sdfVoxels = chosen.target->sdfVoxels;
   scene.metadata.merge(hashesOf(options));
   scene.metadata[kTargetBox] = boxText(distances.box);
-  scene.metadata["julia_rest_box"] = boxText(atRest.box());
+  scene.metadata["julia_rest_box"] = boxText(rest.box);
   scene.metadata["julia_rest_jumps"] = numbersText({posed.jumps});
 }
 

@@ -9,12 +9,10 @@
 
 namespace vdbtools {
 
-/// Turns the scene of a target at rest into that of the pose that @a options name.
-/// @param atRest  the target at rest, from which the scene was made
+/// Turns the scene of a target at rest, with Scene::rest, into that of the pose that @a options name.
 /// @throw what opening the pose throws
 /// @throw DataError  the pose's mesh does not have the faces of that at rest
-void poseScene(Scene& scene, const FractalOptions& options, const TargetInput& atRest, const TargetOpener& open,
-               Monitor& monitor);
+void poseScene(Scene& scene, const FractalOptions& options, const TargetOpener& open, Monitor& monitor);
 
 /// An evaluator of the set at rest, in the pose of a scene. @param deformation  nullptr: the scene has no pose
 std::unique_ptr<julia::FieldEvaluator> carriedAlong(std::unique_ptr<julia::FieldEvaluator> evaluator,

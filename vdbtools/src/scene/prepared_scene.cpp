@@ -2,6 +2,7 @@
 #include "scene/prepared_scene.h"
 
 #include "scene/placed_target.h"
+#include "scene/posed_scene.h"
 
 #include "base/json_text.h"
 #include "repair/solid_input.h"
@@ -192,9 +193,10 @@ std::string encodePreparedScene(const Scene& scene) {
                 {"facts", scene.metadata}};
   std::vector<openvdb::GridBase::Ptr> grids;
   if (scene.target) {
-    entry["target"] = target(scene.target->distances);
+    const Target& distances = scene.rest ? scene.rest->distances : scene.target->distances;
+    entry["target"] = target(distances);
     entry["target_volume"] = number(scene.target->volume);
-    grids.push_back(named(scene.target->distances.phi, "phi"));
+    grids.push_back(named(distances.phi, "phi"));
     if (scene.target->octave) grids.push_back(named(scene.target->octave->grid, "octave"));
     json controls = json::object();
     for (const auto& [name, control] : scene.target->controls) {
@@ -208,7 +210,7 @@ std::string encodePreparedScene(const Scene& scene) {
       grids.push_back(thickness);
     }
   }
-  if (const ExponentGrid* const exponent = scene.exponent()) {
+  if (const ExponentGrid* const exponent = scene.rest ? &scene.rest->exponent : scene.exponent()) {
     entry["exponent"] = exponentNumbers(*exponent);
     grids.push_back(named(exponent->grid, "exponent"));
   } else {
@@ -254,6 +256,12 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
   const MapFiles files = options.map->readFiles();
   scene.field.map = mapInstance(scene, files);
   scene.field.evaluator = scene.field.map->evaluator(scene.field.arithmetic, scene.field.orbit);
+  if (options.rest) {
+    Monitor unwatched;
+    const std::unique_ptr<const TargetInput> rest = openTarget(targetAtRest(*options.rest, *options.target), unwatched);
+    scene.rest = SceneAtRest{*scene.exponent(), scene.target->distances, rest->mesh(), rest->box()};
+    poseScene(scene, options, openTarget, unwatched);
+  }
   return scene;
 }
 

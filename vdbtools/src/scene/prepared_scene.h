@@ -15,7 +15,8 @@ namespace vdbtools {
 /// far as the scene has them.
 std::string encodePreparedScene(const Scene& scene);
 
-/// Reads the scene back, without SceneShell::made. The target's mesh, the controls and their files are not opened.
+/// Reads the scene back, without SceneShell::made. The controls and their files are not opened, and the
+/// target's mesh only if it moves: the scene is that of the target at rest, which is carried to the pose anew.
 /// @param options  the options from which the scene was made
 /// @throw MissingInputError, DataError, IoError
 Scene readPreparedScene(const FractalOptions& options, const std::filesystem::path& path);

@@ -202,6 +202,22 @@ SceneMaker::~SceneMaker() = default;
 
 Scene makeScene(const FractalOptions& options, Monitor& monitor) { return SceneMaker().make(options, monitor); }
 
+std::unique_ptr<julia::FieldEvaluator> Scene::evaluator(const julia::OrbitOptions& orbit) const {
+  return carriedAlong(field.map->evaluator(field.arithmetic, orbit), field.deformation);
+}
+
+std::vector<Vec3d> Scene::atRest(std::span<const Vec3d> points) const {
+  std::vector<Vec3d> result(points.begin(), points.end());
+  if (!field.deformation) return result;
+  std::vector<julia::Point> from, carried(points.size());
+  for (const Vec3d& point : points) from.push_back(placed.space.toFractal(point));
+  std::vector<julia::Decision> decisions(points.size());
+  field.deformation->carry(from, carried, decisions);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    if (decisions[i] == julia::Decision::Undecided) result[i] = placed.space.toWorld(carried[i]);
+  return result;
+}
+
 const ExponentGrid* Scene::exponent() const {
   const SceneShell* const shell = std::get_if<SceneShell>(&domain);
   return shell ? &shell->exponent : nullptr;
@@ -311,7 +327,9 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   atRest.rest.reset();
   atRest.lattice.box.reset();
   Scene scene = makeStill(atRest, monitor);
-  poseScene(scene, options, mShared->target->input(), mShared->open, monitor);
+  const TargetInput& rest = mShared->target->input();
+  scene.rest = SceneAtRest{*scene.exponent(), scene.target->distances, rest.mesh(), rest.box()};
+  poseScene(scene, options, mShared->open, monitor);
   return scene;
 }
 

@@ -16,12 +16,19 @@
 namespace vdbtools {
 namespace {
 
+// What colours are spread over is the set at rest, so that a moving set keeps its colours.
+
+const ExponentGrid* exponentAtRest(const Scene& scene) { return scene.rest ? &scene.rest->exponent : scene.exponent(); }
+const Target& distancesAtRest(const Scene& scene) {
+  return scene.rest ? scene.rest->distances : scene.target.value().distances;
+}
+
 /// World units.
 std::pair<double, double> depthRange(const Scene& scene) {
   constexpr double kShare = 0.05;  // of the target's longest side
-  const double usual = kShare * longestSide(scene.target->distances.box);
-  if (!scene.exponent()) return {-usual, usual};
-  const ExponentGrid& exponent = *scene.exponent();
+  const double usual = kShare * longestSide(distancesAtRest(scene).box);
+  if (!exponentAtRest(scene)) return {-usual, usual};
+  const ExponentGrid& exponent = *exponentAtRest(scene);
   // v = alpha (phi - beta), and the surface lies where E is within the interval of the shell.
   const double scale = exponent.space.scale, alpha = exponent.alphaRange.first;
   auto [leastBeta, mostBeta] = exponent.betaRange;
@@ -36,7 +43,7 @@ std::pair<double, double> depthRange(const Scene& scene) {
 /// A box that contains all or nearly all of the set, world units; for a map whose region is unknown, the scene's box.
 openvdb::BBoxd wholeSet(const Scene& scene) {
   if (scene.target) {
-    openvdb::BBoxd box = scene.target->distances.box;
+    openvdb::BBoxd box = distancesAtRest(scene).box;
     box.expand(std::max(0.0, depthRange(scene).second));
     return box;
   }
@@ -101,7 +108,10 @@ std::optional<GradientRange> occurringRange(const Scene& scene, FieldColouring c
   std::vector<julia::Point> points;
   for (std::size_t lines = 16; points.size() < kEnough && lines <= kMostLines; lines *= 2)
     points = placesOnSurface(*evaluator, space, box, lines);
-  if (colouring.depth) colouring.depth->space = space;
+  if (colouring.depth) {
+    colouring.depth->space = space;
+    colouring.depth->distance = distanceControl(distancesAtRest(scene));
+  }
   std::vector<double> iterations;
   if (colouring.by == FieldColour::Iterations)
     iterations = meanIterations(*evaluator, points, kNear * longestSide(box) / space.scale);

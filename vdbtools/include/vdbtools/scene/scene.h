@@ -72,6 +72,14 @@ struct SceneShell {
   std::optional<Made> made{};  ///< empty if the scene was read from a file (prepared_scene.h)
 };
 
+/// The target at rest, for a scene whose target has moved (FractalOptions::rest).
+struct SceneAtRest {
+  ExponentGrid exponent;
+  Target distances;
+  std::shared_ptr<const Mesh> mesh;
+  openvdb::BBoxd box;  ///< of the shape, world units
+};
+
 /// What is evaluated: a map's field at points of its own space.
 struct SceneField {
   std::shared_ptr<const MapInstance> map{};
@@ -100,11 +108,19 @@ struct Scene {
   std::optional<ChosenResolution> chosenResolution;  ///< if it was `auto`; the options have the number
   std::optional<double> chosenSdfResolution;  ///< for the target's distances, if it was not given; the options have it
   SceneField field;
+  std::optional<SceneAtRest> rest{};  ///< if the target has moved; target and domain are those of its pose
   Metadata metadata;
 
   FieldSource source() const { return {*field.evaluator, field.space}; }
   /// The field source for a plan. In its space, the origin of the plan is 0.
   FieldSource source(const FieldPlan& plan) const;
+
+  /// An evaluator as the field's, of other orbits.
+  std::unique_ptr<julia::FieldEvaluator> evaluator(const julia::OrbitOptions& orbit) const;
+
+  /// The places of points at rest; world units. Points far from the surface, and those of a target that has not moved,
+  /// are where they are.
+  std::vector<openvdb::Vec3d> atRest(std::span<const openvdb::Vec3d> points) const;
 
   /// The exponent and the features of the shell; nullptr if there is no shell or, for the features, if none were
   /// measured.
