@@ -85,6 +85,15 @@ void tellWhatIsLeft(const vdbtools::Scene& scene, const vdbtools::SolidMeasure& 
                   << ", or --origin auto\n";
 }
 
+/// Says where a moving target cannot carry all of its detail.
+void tellJumps(const vdbtools::Scene& scene) {
+  constexpr double kWorthSaying = 0.001;
+  if (!scene.rest || scene.rest->jumps < kWorthSaying) return;
+  report().text() << "note: in " << vdbtools::shortText(100 * scene.rest->jumps)
+                  << " % of the shell, parts of the surface that lie apart at rest are equally near; the detail of the "
+                     "nearest one is taken there\n";
+}
+
 /// A sentence about the part of the surface that may be missing.
 std::string followText(const vdbtools::FollowReport& report) {
   std::ostringstream text;
@@ -150,6 +159,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const 
     report().count("evaluatedNodes", counts.evaluatedNodes);
     countFiner(scene);
     if (wantMesh) report().count("triangles", counts.triangles);
+    if (scene.rest) report().count("restJumps", scene.rest->jumps);
   }
   if (result.solid && !isFrame) report().count("islands", result.solid->islands.size());
   report().text() << "wrote " << outputs.names() << ": voxels of " << vdbtools::shortText(scene.voxelSize);
@@ -179,6 +189,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const 
         !unused.empty())
       report().text() << "not used of the target: " << vdbtools::joined(unused) << '\n';
   tellTarget(scene.metadata);
+  tellJumps(scene);
   for (std::size_t i = 0; i < result.levels.size(); ++i)
     report().text() << "LOD" << i + 1 << ": " << result.levels[i].triangles << " triangles, some "
                     << vdbtools::shortText(result.levels[i].error / scene.voxelSize) << " voxels from the surface\n";

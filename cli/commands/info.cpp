@@ -176,7 +176,8 @@ Json vdbInfo(const std::string& path) {
         "julia_space_centre",    "julia_space_scale",    "julia_shell",          "julia_repair_moved",
         "julia_united_parts",    "julia_hollows_filled", "julia_hollows_kept",   "julia_inner_parts",
         "julia_points_left_out", "julia_chosen_iso",     "julia_unequal_voxels", "julia_origin_at",
-        "julia_thickness",       "julia_alpha_range",    "julia_beta_range",     "julia_detail_law"})
+        "julia_thickness",       "julia_alpha_range",    "julia_beta_range",     "julia_detail_law",
+        "julia_rest_jumps"})
     if (const auto found = file.metadata.find(fact); found != file.metadata.end()) rest[fact] = found->second;
   if (!rest.empty()) info["metadata"] = rest;
   return info;

@@ -34,10 +34,10 @@ struct CornerPairs {
 };
 
 /// @throw DataError  the faces differ
-CornerPairs cornersOf(const Mesh& from, const Mesh& to) {
+CornerPairs cornersOf(const Mesh& from, const Mesh& to, const std::string& other) {
   if (from.triangles.size() != to.triangles.size())
-    throw DataError("the faces differ: one of the meshes has " + std::to_string(from.triangles.size()) +
-                    " triangles, and the other one, at rest, has " + std::to_string(to.triangles.size()));
+    throw DataError("the target has " + std::to_string(from.triangles.size()) + " triangles, and " + other + " it has " +
+                    std::to_string(to.triangles.size()) + "; give meshes with the same faces");
   // Polygons of moved points may be cut into other triangles; their corners are found by their numbers. Files without
   // numbers, such as STL, have the same order of triangles only.
   const bool numbered = from.points.size() == to.points.size();
@@ -45,12 +45,13 @@ CornerPairs cornersOf(const Mesh& from, const Mesh& to) {
   for (std::size_t i = 0; i < from.triangles.size(); ++i) {
     const Vec3I &a = from.triangles[i], &b = numbered ? from.triangles[i] : to.triangles[i];
     if (numbered) {
-      const Vec3I& other = to.triangles[i];
+      const Vec3I& same = to.triangles[i];
       int shared = 0;
       for (int k = 0; k < 3; ++k)
-        for (int j = 0; j < 3; ++j) shared += a[k] == other[j];
+        for (int j = 0; j < 3; ++j) shared += a[k] == same[j];
       if (shared < 1)
-        throw DataError("the faces differ: triangle " + std::to_string(i + 1) + " of the mesh at rest has other corners");
+        throw DataError("triangle " + std::to_string(i + 1) + " of the target has other corners " + other +
+                        "; give meshes with the same faces, in the same order");
     }
     for (int k = 0; k < 3; ++k) {
       pairs.from.push_back(from.points[a[k]]);
@@ -150,7 +151,7 @@ AffineMap overallOf(const CornerPairs& pairs) {
 }
 
 /// @throw DataError  one of two solids is turned inside out
-void requireOneSide(const CornerPairs& pairs, const AffineMap& overall) {
+void requireOneSide(const CornerPairs& pairs, const AffineMap& overall, const std::string& other) {
   const double from = volumeOf(pairs.from, pairs.from.front()) * overall.matrix.det();
   const double to = volumeOf(pairs.to, pairs.to.front());
   // A surface that is no solid has a volume by chance.
@@ -159,9 +160,8 @@ void requireOneSide(const CornerPairs& pairs, const AffineMap& overall) {
   constexpr double kSolid = 1e-3;
   const double least = kSolid * box.extents().product();
   if (std::abs(to) > least && std::abs(from) > least && (from < 0) != (to < 0))
-    throw DataError("the mesh at rest is turned inside out: its volume is " + shortText(to) + ", and " +
-                    shortText(volumeOf(pairs.from, pairs.from.front())) +
-                    " in the pose; reverse the faces of one of them");
+    throw DataError("the target is turned inside out " + other + ": its volume is " + shortText(to) + " there, and " +
+                    shortText(volumeOf(pairs.from, pairs.from.front())) + " in its pose; check the points");
 }
 
 /// The largest of the values, but for a part of their weights.
@@ -215,11 +215,25 @@ struct SurfaceMotion::Parts {
 
 SurfaceMotion::~SurfaceMotion() = default;
 
-SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth) {
-  const CornerPairs pairs = cornersOf(from, to);
+namespace {
+
+/// @throw DataError  the surfaces are of quite different sizes
+void requireOneUnit(const SearchUnits& fromUnits, const SearchUnits& toUnits, const std::string& other) {
+  constexpr double kMost = 30;
+  const double times = fromUnits.scale / toUnits.scale;
+  if (times > kMost || times < 1 / kMost)
+    throw DataError("the target is " + shortText(times > 1 ? times : 1 / times) + " times as " +
+                    (times > 1 ? "large " : "small ") + other + " as in its pose; give both in the same unit");
+}
+
+}  // namespace
+
+SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& other) {
+  const CornerPairs pairs = cornersOf(from, to, other);
   mParts = std::make_unique<Parts>(pairs);
   Parts& parts = *mParts;
-  requireOneSide(pairs, parts.overall);
+  requireOneSide(pairs, parts.overall, other);
+  requireOneUnit(parts.fromUnits, parts.toUnits, other);
 
   // Vertices are the same if they lie together in both surfaces.
   std::map<std::array<double, 6>, std::uint32_t> vertices;

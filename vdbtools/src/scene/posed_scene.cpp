@@ -22,29 +22,33 @@ const Mesh& requireMesh(const std::shared_ptr<const Mesh>& mesh, const char* whi
 
 }  // namespace
 
-void poseScene(Scene& scene, const FractalOptions& options, const TargetOpener& open, Monitor& monitor) {
-  const SceneAtRest& rest = scene.rest.value();
+TargetPose openPose(const FractalOptions& options, const TargetInput& atRest, const TargetOpener& open,
+                    Monitor& monitor) {
   TargetOptions poseOptions = *options.target;
-  // The lattice of the pose is that of a survey: it carries rho, and not the detail.
+  // The lattice of the pose is that of a survey: it carries the way back, and not the detail.
   if (poseOptions.mend.offset() == 0)
-    poseOptions.sdfVoxels = VoxelChoice{.resolution = longestSide(rest.box) / surveyVoxel(rest.box)};
-  const std::unique_ptr<const TargetInput> pose = open(poseOptions, monitor);
-  const auto motion = std::make_shared<SurfaceMotion>(
-      requireMesh(pose->mesh(), "in its pose"), requireMesh(rest.mesh, "at rest"), options.rest->depth);
+    poseOptions.sdfVoxels = VoxelChoice{.resolution = longestSide(atRest.box()) / surveyVoxel(atRest.box())};
+  TargetPose pose{.input = open(poseOptions, monitor), .motion = {}};
+  pose.motion = std::make_shared<SurfaceMotion>(requireMesh(pose.input->mesh(), "in its pose"),
+                                                requireMesh(atRest.mesh(), "at rest"), options.rest->depth, "at rest");
+  return pose;
+}
 
+void poseScene(Scene& scene, const FractalOptions& options, const TargetPose& pose, Monitor& monitor) {
+  SceneAtRest& rest = scene.rest.value();
   SceneShell& shell = std::get<SceneShell>(scene.domain);
   SceneTarget& target = scene.target.value();
   const DetailReach reach = reachAtRest(rest.exponent, rest.distances);
-  const double growth = motion->greatestGrowth();
+  const double growth = pose.motion->greatestGrowth();
   const BandWidths widths{.exterior = growth * reach.outside, .interior = growth * reach.inside};
-  const Target distances = pose->band(pose->distances(widths, monitor), widths, monitor);
+  const Target distances = pose.input->band(pose.input->distances(widths, monitor), widths, monitor);
   monitor.begin(PhaseKind::Motion, 0);
-  PosedShell posed = posedShell(rest.exponent, reach, distances, motion, monitor);
+  PosedShell posed = posedShell(rest.exponent, reach, distances, pose.motion, monitor);
 
   shell.exponent = std::move(posed.exponent);
   target.distances = distances;
   target.volume = insideVolume(*distances.phi);
-  if (target.mesh) target.mesh = pose->mesh();
+  if (target.mesh) target.mesh = pose.input->mesh();
   scene.field.deformation = std::move(posed.deformation);
   scene.field.evaluator = carriedAlong(std::move(scene.field.evaluator), scene.field.deformation);
 
@@ -58,6 +62,7 @@ void poseScene(Scene& scene, const FractalOptions& options, const TargetOpener& 
   scene.metadata[kTargetBox] = boxText(distances.box);
   scene.metadata["julia_rest_box"] = boxText(rest.box);
   scene.metadata["julia_rest_jumps"] = numbersText({posed.jumps});
+  rest.jumps = posed.jumps;
 }
 
 std::unique_ptr<julia::FieldEvaluator> carriedAlong(std::unique_ptr<julia::FieldEvaluator> evaluator,

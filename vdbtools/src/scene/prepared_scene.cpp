@@ -260,7 +260,7 @@ Scene readPreparedScene(const FractalOptions& options, const std::filesystem::pa
     Monitor unwatched;
     const std::unique_ptr<const TargetInput> rest = openTarget(targetAtRest(*options.rest, *options.target), unwatched);
     scene.rest = SceneAtRest{*scene.exponent(), scene.target->distances, rest->mesh(), rest->box()};
-    poseScene(scene, options, openTarget, unwatched);
+    poseScene(scene, options, openPose(options, *rest, openTarget, unwatched), unwatched);
   }
   return scene;
 }

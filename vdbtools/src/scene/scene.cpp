@@ -326,10 +326,13 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   atRest.target = mShared->targetAtRest(options);
   atRest.rest.reset();
   atRest.lattice.box.reset();
+  Metadata hashes;
+  const TargetInput& rest = mShared->over(atRest, hashes, monitor).input();
+  // Faces that differ are found before the work begins.
+  const TargetPose pose = openPose(options, rest, mShared->open, monitor);
   Scene scene = makeStill(atRest, monitor);
-  const TargetInput& rest = mShared->target->input();
   scene.rest = SceneAtRest{*scene.exponent(), scene.target->distances, rest.mesh(), rest.box()};
-  poseScene(scene, options, mShared->open, monitor);
+  poseScene(scene, options, pose, monitor);
   return scene;
 }
 

@@ -78,6 +78,7 @@ struct SceneAtRest {
   Target distances;
   std::shared_ptr<const Mesh> mesh;
   openvdb::BBoxd box;  ///< of the shape, world units
+  double jumps = 0;    ///< the part of the shell in the pose over which the way back jumps between parts of the surface
 };
 
 /// What is evaluated: a map's field at points of its own space.
