@@ -8,9 +8,9 @@ namespace cli {
 
 std::vector<PhaseWeight> phasesOf(std::string_view command) {
   using enum vdbtools::PhaseKind;
-  const std::vector<PhaseWeight> scene{{Reading, 2},         {Thickening, 8},     {ClosingGaps, 20},
-                                       {Sides, 5},           {DistanceField, 12}, {LocalThickness, 3},
-                                       {WideningTheBand, 5}, {Exponent, 5},       {Grain, 5},         {Motion, 5}};
+  const std::vector<PhaseWeight> scene{{Reading, 2},        {Thickening, 8},     {ClosingGaps, 20},    {Sides, 5},
+                                       {DistanceField, 12}, {LocalThickness, 3}, {WideningTheBand, 5}, {Exponent, 5},
+                                       {Grain, 5},          {Motion, 5}};
   // Behind the phases that make a target and its exponent.
   const auto ofScene = [&](std::vector<PhaseWeight> others) {
     others.insert(others.begin(), scene.begin(), scene.end());

@@ -23,6 +23,7 @@ OUT = "{output}"  # in the place of the output's name
 RECIPE = {
     "--rational": ("r.json", ("--map", "rational", "--rational", "r.json")),
     "--texture": ("v.json", ("--texture", "v.json")),
+    "--rest": ("c.obj", ("--rest", "c.obj")),
     "--texture-over": ("r.json", ("--texture-over", "r.json")),
     "--config": ("list.txt", ("--config", "list.txt")),
     "--texture-mix": ("p.png", ("--texture-over", "rings", "--texture-mix", "texture:p.png:0:1")),

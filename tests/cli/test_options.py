@@ -20,6 +20,7 @@ import pyopenvdb
 
 import harness
 import test_animation
+import test_motion
 from harness import DONE, USAGE
 
 LOW = ("--resolution", 14, "--sdf-resolution", 16)
@@ -32,6 +33,8 @@ RUNS = {
         ("s.obj", "-o", "f.vdb", "--mesh", "f.glb", "--texture", "random", "--attributes", "trap,Cd", "--colour", "trap", *LOW),
         ("open.obj", "--repair", "--mesh", "f.ply", "--texture", "bark", "--texture-over", "coral", *LOW),
         ("s.obj", "--mesh", "f.ply", "--texture", "fur", "--grain", "along", *LOW),
+        ("s.obj", "--mesh", "f.ply", "--rest", "rest.obj", *LOW),
+        ("home.ply", "--mesh", "f.ply", *LOW),
         ("hollow.obj", "-o", "f.vdb", *LOW),
         ("pair.vdb", "--grid", "phi", "-o", "f.vdb", "--resolution", 14),
         ("turned.vdb", "--invert", "-o", "f.vdb", "--resolution", 14),
@@ -124,6 +127,7 @@ VALUES = {
         "texture-placement": "inside", "texture-distance": "0.2", "texture-centre": "0.2,0,0", "texture-radius": "0.3",
         "texture-over": ("coral", "rings"), "texture-over-seed": "9", "texture-over-frequency": "fine", "texture-mix": "0.9",
         "grain": ("around", "1,0.5,0"), "grain-turn": "40",
+        "rest": ("rest.obj", "bent.obj"), "rest-frame": "6", "rest-attribute": ("rest", "home"), "rest-depth": "kept",
         "texture-symmetry": "3:y", "texture-scale": "1.5", "texture-translate": "0.1,0,0", "origin": "0.1,0,0", "origin-near": "0.4,0,0",
         "origin-shift": "0.1,0,0", "space": "world", "box": "-0.6,-0.5,-0.3,0.7,0.8,0.9", "seed-stride": "32",
         "tolerance": "0.4", "adaptivity": "2", "crumbs": "keep", "largest": "1", "min-size": "0.9", "precision": "double",
@@ -240,6 +244,11 @@ class Options(harness.CliTest):
                    "".join("{!r} {!r} {!r} {!r}\n".format(*p, p[0]) for p in points) +
                    "".join("3 {} {} {}\n".format(*f) for f in faces))
         self.write("s.obj", harness.obj(harness.lumpy()))
+        points, faces = harness.lumpy()
+        thin = [(x * (1.2 + 0.4 * y), y, z) for x, y, z in points]
+        self.write("rest.obj", harness.obj((thin, faces)))
+        self.write("bent.obj", harness.obj(test_motion.bent((points, faces), 30)))
+        self.write("home.ply", test_motion.with_rest((points, faces), (thin, faces), "home", points))
         ball, more = harness.sphere(2), harness.moved(harness.sphere(2), 0.5, (3, 0, 0))
         self.write("two.obj", harness.obj((ball[0] + more[0],
                                            ball[1] + [tuple(k + len(ball[0]) for k in f) for f in more[1]])))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands of docs/controls.md, textures.md, attributes.md, points.md, printing.md, pictures.md, handoff.md, unreal.md and
+"""The commands of docs/controls.md, textures.md, attributes.md, points.md, printing.md, pictures.md, handoff.md, motion.md, unreal.md and
 coming-from.md run as they stand, at a small size, and the blocks of a terminal look like what the program says."""
 import pathlib
 import re
@@ -25,7 +25,8 @@ def small(block):
 
 class Pages(unittest.TestCase):
     def test_every_command_runs(self):
-        for page in ("controls", "textures", "attributes", "points", "printing", "pictures", "handoff", "unreal", "coming-from"):
+        for page in ("controls", "textures", "attributes", "points", "printing", "pictures", "handoff", "unreal", "coming-from",
+                     "motion"):
             text = (ROOT / f"docs/{page}.md").read_text()
             blocks = re.findall(r"```sh\n(.*?)```", text, re.S)
             self.assertTrue(blocks, page)

@@ -20,8 +20,7 @@ class Deformation {
 
   /// Sets carried[i] to rho(points[i]), and decisions[i] to Undecided; or, where rho is not known, decisions[i] to the
   /// sign of the field. Many threads may call it at once.
-  virtual void carry(std::span<const Point> points, std::span<Point> carried,
-                     std::span<Decision> decisions) const = 0;
+  virtual void carry(std::span<const Point> points, std::span<Point> carried, std::span<Decision> decisions) const = 0;
 
   /// What is known about a ball.
   struct Image {

@@ -41,9 +41,9 @@ constexpr float kFar = 0, kUndecided = 1, kDecidedInside = 2, kDecidedOutside = 
 class CellTable {
  public:
   CellTable(const CoordBBox& cells, float elsewhere) : mCells(cells), mSize(cells.dim()), mElsewhere(elsewhere) {
-    mValues.assign(static_cast<std::size_t>(mSize[0]) * static_cast<std::size_t>(mSize[1]) *
-                       static_cast<std::size_t>(mSize[2]),
-                   elsewhere);
+    mValues.assign(
+        static_cast<std::size_t>(mSize[0]) * static_cast<std::size_t>(mSize[1]) * static_cast<std::size_t>(mSize[2]),
+        elsewhere);
   }
 
   const CoordBBox& cells() const { return mCells; }
@@ -65,9 +65,9 @@ class CellTable {
   void finish() {
     const Coord blocks = (mSize + Coord(kBlockSide - 1)) >> kLog2;
     mBlockSize = blocks;
-    mBlocks.assign(static_cast<std::size_t>(blocks[0]) * static_cast<std::size_t>(blocks[1]) *
-                       static_cast<std::size_t>(blocks[2]),
-                   {});
+    mBlocks.assign(
+        static_cast<std::size_t>(blocks[0]) * static_cast<std::size_t>(blocks[1]) * static_cast<std::size_t>(blocks[2]),
+        {});
     for (int x = 0; x < mSize[0]; ++x)
       for (int y = 0; y < mSize[1]; ++y)
         for (int z = 0; z < mSize[2]; ++z)
@@ -149,16 +149,12 @@ class PoseDeformation final : public julia::Deformation {
 
   PoseDeformation(const PoseSpace& pose, const FractalSpace& space, CellTable cells, std::array<Field, 3> beyond,
                   std::shared_ptr<const SurfaceMotion> motion)
-      : mPose(pose),
-        mSpace(space),
-        mCells(std::move(cells)),
-        mBeyond(std::move(beyond)),
-        mMotion(std::move(motion)) {
+      : mPose(pose), mSpace(space), mCells(std::move(cells)), mBeyond(std::move(beyond)), mMotion(std::move(motion)) {
     // The norm of a matrix M is the root of that of M^T M, which is at most its largest sum over a row.
     const Mat3d squares = mPose.toIndex.matrix.transpose() * mPose.toIndex.matrix;
     for (int row = 0; row < 3; ++row)
-      mIndexStretch = std::max(mIndexStretch, std::sqrt(std::abs(squares(row, 0)) + std::abs(squares(row, 1)) +
-                                                        std::abs(squares(row, 2))));
+      mIndexStretch = std::max(
+          mIndexStretch, std::sqrt(std::abs(squares(row, 0)) + std::abs(squares(row, 1)) + std::abs(squares(row, 2))));
   }
 
   void carry(std::span<const julia::Point> points, std::span<julia::Point> carried,
@@ -249,7 +245,8 @@ void hideCovered(SurfaceMotion& motion, const Target& pose) {
   const std::vector<Vec3d> points = motion.points();
   std::vector<bool> isDeep(points.size());
   for (std::size_t i = 0; i < isDeep.size(); ++i)
-    isDeep[i] = static_cast<double>(openvdb::tools::BoxSampler::sample(accessor, pose.phi->worldToIndex(points[i]))) < deep;
+    isDeep[i] =
+        static_cast<double>(openvdb::tools::BoxSampler::sample(accessor, pose.phi->worldToIndex(points[i]))) < deep;
   std::vector<std::uint32_t> shown;
   for (std::size_t i = 0; i < motion.triangles().size(); ++i) {
     const openvdb::Vec3I& t = motion.triangles()[i];
@@ -410,7 +407,8 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
         bool isInside = false;
         for (int k = 0; k < kCorners; ++k) {
           const Coord node = corner(cell, k), local = node - leaves[i]->origin();
-          const LeafImages* const leaf = around[static_cast<std::size_t>(4 * (local[0] >> 3) + 2 * (local[1] >> 3) + (local[2] >> 3))];
+          const LeafImages* const leaf =
+              around[static_cast<std::size_t>(4 * (local[0] >> 3) + 2 * (local[1] >> 3) + (local[2] >> 3))];
           const auto at = static_cast<std::size_t>((local[0] & 7) << 6 | (local[1] & 7) << 3 | (local[2] & 7));
           if (!leaf || !leaf->known[at]) {
             isInside |= distances.getValue(node) < 0;
@@ -474,7 +472,9 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
       field->ranges(centres, radii, ranges);
       for (std::size_t k = 0; k < which.size(); ++k) {
         const bool isIn = ranges[k].high <= exponent.shell.lower, isOut = ranges[k].low >= exponent.shell.upper;
-        decided.at(leaves[i]->offsetToGlobalCoord(which[k])) = isIn ? kDecidedInside : isOut ? kDecidedOutside : kUndecided;
+        decided.at(leaves[i]->offsetToGlobalCoord(which[k])) = isIn    ? kDecidedInside
+                                                               : isOut ? kDecidedOutside
+                                                                       : kUndecided;
       }
     }
   });

@@ -25,7 +25,7 @@ struct PosedShell {
   /// For plans only: where the carried exponent is undecided, this one is too.
   ExponentGrid exponent;
   std::shared_ptr<const julia::Deformation> deformation;  ///< from points of the space at rest, to the same
-  double jumps = 0;  ///< the part of the undecided cells over which rho jumps
+  double jumps = 0;                                       ///< the part of the undecided cells over which rho jumps
 };
 
 /// @param reach   as reachAtRest()

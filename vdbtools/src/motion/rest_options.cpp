@@ -21,7 +21,8 @@ constexpr const char* kRestOptions[] = {"rest", "rest-frame", "rest-attribute"};
 std::string idleWithoutMeshShell(const OptionRun& run) {
   const std::string input = run.text("input");
   if (input.empty()) return "it is for a target that moves, and there is no target; leave it out";
-  if (isVdbPath(input)) return "it is for the points of a mesh, and the target is a VDB; leave it out, or give the mesh";
+  if (isVdbPath(input))
+    return "it is for the points of a mesh, and the target is a VDB; leave it out, or give the mesh";
   if (run.text("map") != "shape-modulus")
     return "it is for --map shape-modulus, whose fractal follows the target; leave it out, or give that map";
   return {};
@@ -82,8 +83,9 @@ std::array<const VertexAttribute*, 3> vectorParts(const Mesh& mesh, const std::s
     for (std::size_t axis = 0; axis < 3; ++axis) parts[axis] = find(name + between + "xyz"[axis]);
     if (parts[0] && parts[1] && parts[2]) return parts;
   }
-  throw DataError("--rest-attribute " + name + " needs a vector at each point of the target's mesh, which are the attributes " +
-                  name + "_x, " + name + "_y and " + name + "_z; the mesh has " + attributeNames(mesh));
+  throw DataError("--rest-attribute " + name +
+                  " needs a vector at each point of the target's mesh, which are the attributes " + name + "_x, " +
+                  name + "_y and " + name + "_z; the mesh has " + attributeNames(mesh));
 }
 
 }  // namespace
