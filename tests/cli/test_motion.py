@@ -8,7 +8,7 @@ import struct
 import unittest
 
 import harness
-from harness import BAD_DATA, USAGE
+from harness import BAD_DATA, NO_INPUT, USAGE
 
 LOW = harness.TextureTest.LOW
 
@@ -114,7 +114,7 @@ class Motion(harness.TextureTest):
             sizes.add(self.ok("info", f"a.{name}.vdb", data=True).split("voxel size")[1].splitlines()[0])
         self.assertEqual(len(sizes), 1)  # one voxel size for all frames
         os.remove(self.path("s.0001.obj"))
-        self.refused(None, "fractal", "s.####.obj", "--rest", "r.obj", *LOW, "--frames", "-1-1", "-o", "c.####.vdb",
+        self.refused(NO_INPUT, "fractal", "s.####.obj", "--rest", "r.obj", *LOW, "--frames", "-1-1", "-o", "c.####.vdb",
                      mentions=("s.0001.obj", "frame 1"))
         self.assertFalse(self.path("c.-0001.vdb").exists())
 

@@ -354,6 +354,11 @@ float appendHalf(std::string& bytes, float value) {
 }
 
 void requireShown(const Scene& scene) {
+  if (scene.rest)
+    throw std::invalid_argument(
+        "the page cannot show a target in its pose; give it the target at rest, which has the same look, and give "
+        "--rest to "
+        "'juliavdb fractal'");
   const julia::MapDescription map = scene.field.evaluator->describe().map;
   const auto* const shape = std::any_cast<julia::ShapeModulusDescription>(&map);
   if (shape && !isShown(shape->versor)) throw std::invalid_argument(kNotShown);
@@ -364,6 +369,7 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
   if (options.side < kFewest || options.side > kMost)
     throw std::invalid_argument("the side of the volume is " + std::to_string(options.side) +
                                 "; it must be 16 to 256 nodes");
+  requireShown(scene);
   const julia::FieldDescription field = scene.field.evaluator->describe();
   constexpr std::array kAxes = {"i", "j", "k"};
   SceneData data;

@@ -31,6 +31,7 @@ using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::Mat3d;
 using openvdb::Vec3d;
+using openvdb::Vec3s;
 
 /// What is known of a cell of the lattice. A cell over which rho is interpolated has a bound of its slope instead.
 constexpr float kOutside = -1, kInside = -2, kJumps = -3;
@@ -230,10 +231,15 @@ class PoseDeformation final : public julia::Deformation {
   double mIndexStretch = 0;
 };
 
-/// rho at the nodes of a leaf of the pose's distances, in units of fractal space.
+/// rho at a node, in units of fractal space.
+struct NodeImage {
+  Vec3s beyond;                 ///< what rho adds to the overall map
+  std::array<Vec3s, 3> beside;  ///< what that grows by to the next node along each axis, as the gradient says
+};
+
+/// rho at the nodes of a leaf of the pose's distances.
 struct LeafImages {
-  std::array<Vec3d, 512> beyond;    ///< what rho adds to the overall map
-  std::array<Mat3d, 512> gradient;  ///< of rho
+  std::array<NodeImage, 512> nodes;
   std::array<bool, 512> known{};
 };
 
@@ -270,6 +276,33 @@ constexpr int kCorners = 8;
 
 /// The corners of a cell: bit 2 of the number is x, bit 0 is z.
 Coord corner(const Coord& cell, int k) { return cell + Coord(k >> 2 & 1, k >> 1 & 1, k & 1); }
+
+/// The place of a node in nodesAround(). @param local  from the origin of the leaf, 0 to 8
+std::size_t aroundIndex(const Coord& local) {
+  return static_cast<std::size_t>((local[0] * 9 + local[1]) * 9 + local[2]);
+}
+
+/// The nodes of a leaf's cells, 9 along each axis; nullptr where rho is not known.
+/// @param numberOf  of the leaf at an origin, or negative
+std::vector<const NodeImage*> nodesAround(const Coord& origin,
+                                          const openvdb::tree::ValueAccessor<const openvdb::Int32Tree>& numberOf,
+                                          const std::vector<std::unique_ptr<LeafImages>>& images) {
+  std::vector<const NodeImage*> nodes(9 * 9 * 9, nullptr);
+  for (int k = 0; k < kCorners; ++k) {
+    const Coord leaf = corner(Coord(0), k);
+    const std::int32_t number = numberOf.getValue(origin + Coord(leaf[0] << 3, leaf[1] << 3, leaf[2] << 3));
+    if (number < 0) continue;
+    const LeafImages& known = *images[static_cast<std::size_t>(number)];
+    for (int x = 0; x < (leaf[0] ? 1 : 8); ++x)
+      for (int y = 0; y < (leaf[1] ? 1 : 8); ++y)
+        for (int z = 0; z < (leaf[2] ? 1 : 8); ++z) {
+          const auto at = static_cast<std::size_t>(x << 6 | y << 3 | z);
+          if (known.known[at])
+            nodes[aroundIndex(Coord(x + 8 * leaf[0], y + 8 * leaf[1], z + 8 * leaf[2]))] = &known.nodes[at];
+        }
+  }
+  return nodes;
+}
 
 /// Values of the nodes of the plan's grid.
 constexpr float kPlanned = 2, kPlanEnd = 1;
@@ -335,6 +368,7 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
   const FloatGrid& phi = *pose.phi;
   const double voxel = phi.voxelSize()[0], step = voxel / space.scale;
   const PoseSpace place(space, phi.transform(), motion->overall());
+  const Mat3d& overall = place.overallMap.matrix;
   const std::vector<const openvdb::FloatTree::LeafNodeType*> leaves = leavesOf(phi.tree());
   CoordBBox nodes;
   for (const auto* leaf : leaves) nodes.expand(leaf->getNodeBoundingBox());
@@ -372,8 +406,10 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
                                                ? motion->carryBy(block.triangles()[offset], world)
                                                : motion->carry(world);
         images[i]->known[offset] = true;
-        images[i]->beyond[offset] = toFractal(image.at) - place.overallMap(toFractal(world));
-        images[i]->gradient[offset] = image.gradient;
+        NodeImage& node = images[i]->nodes[offset];
+        node.beyond = Vec3s(toFractal(image.at) - place.overallMap(toFractal(world)));
+        for (int axis = 0; axis < 3; ++axis)
+          node.beside[static_cast<std::size_t>(axis)] = Vec3s((image.gradient.col(axis) - overall.col(axis)) * step);
       }
     }
   });
@@ -390,64 +426,54 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
     const openvdb::tree::ValueAccessor<const openvdb::Int32Tree> numberOf(numbers);
     const auto distances = phi.getConstAccessor();
     for (std::size_t i = begin; i < end; ++i) {
-      std::array<const LeafImages*, kCorners> around{};
-      for (int k = 0; k < kCorners; ++k) {
-        const Coord origin = leaves[i]->origin() + Coord(8 * (k >> 2 & 1), 8 * (k >> 1 & 1), 8 * (k & 1));
-        const std::int32_t number = numberOf.getValue(origin);
-        around[static_cast<std::size_t>(k)] = number < 0 ? nullptr : images[static_cast<std::size_t>(number)].get();
-      }
+      const std::vector<const NodeImage*> around = nodesAround(leaves[i]->origin(), numberOf, images);
       std::vector<std::array<double, 3>> centres;
       std::vector<double> radii;
       std::vector<unsigned> which;
       for (unsigned offset = 0; offset < 512; ++offset) {
         const Coord cell = leaves[i]->offsetToGlobalCoord(offset);
-        std::array<Vec3d, kCorners> beyond;
-        std::array<const Mat3d*, kCorners> gradient{};
+        std::array<const NodeImage*, kCorners> corners;
         int known = 0;
-        bool isInside = false;
         for (int k = 0; k < kCorners; ++k) {
-          const Coord node = corner(cell, k), local = node - leaves[i]->origin();
-          const LeafImages* const leaf =
-              around[static_cast<std::size_t>(4 * (local[0] >> 3) + 2 * (local[1] >> 3) + (local[2] >> 3))];
-          const auto at = static_cast<std::size_t>((local[0] & 7) << 6 | (local[1] & 7) << 3 | (local[2] & 7));
-          if (!leaf || !leaf->known[at]) {
-            isInside |= distances.getValue(node) < 0;
-            continue;
-          }
-          ++known;
-          beyond[static_cast<std::size_t>(k)] = leaf->beyond[at];
-          gradient[static_cast<std::size_t>(k)] = &leaf->gradient[at];
+          const NodeImage* const node = around[aroundIndex(corner(cell, k) - leaves[i]->origin())];
+          corners[static_cast<std::size_t>(k)] = node;
+          known += node != nullptr;
         }
         float& state = cells.at(cell);
         if (known < kCorners) {
+          bool isInside = false;
+          for (int k = 0; k < kCorners; ++k)
+            if (!corners[static_cast<std::size_t>(k)]) isInside |= distances.getValue(corner(cell, k)) < 0;
           state = isInside ? kInside : kOutside;
           continue;
         }
         // Along each axis: what rho does from a node to the next one, per node.
         constexpr double kJump = 0.25;  // nodes by which rho may differ from what its gradients say
-        const Mat3d& overall = place.overallMap.matrix;
-        Mat3d mean = Mat3d::zero();
+        Mat3d mean = overall;
         double apart = 0;
         bool jumps = false;
         for (int axis = 0; axis < 3; ++axis) {
           const int bit = 4 >> axis;
-          const Vec3d usual = overall.col(axis) * step;
-          const double tolerance = kJump * kJump * std::max(step * step, usual.lengthSqr());
-          std::array<Vec3d, 4> steps;
+          const auto tolerance =
+              static_cast<float>(kJump * kJump * std::max(1., overall.col(axis).lengthSqr()) * step * step);
+          std::array<Vec3s, 4> steps;
+          Vec3s sum(0);
           std::size_t count = 0;
           for (int k = 0; k < kCorners; ++k) {
             if (k & bit) continue;
-            const auto a = static_cast<std::size_t>(k), b = static_cast<std::size_t>(k | bit);
-            const Vec3d went = usual + beyond[b] - beyond[a];
-            for (const std::size_t end2 : {a, b})
-              jumps |= !((went - gradient[end2]->col(axis) * step).lengthSqr() <= tolerance);
+            const NodeImage &a = *corners[static_cast<std::size_t>(k)],
+                            &b = *corners[static_cast<std::size_t>(k | bit)];
+            const Vec3s went = b.beyond - a.beyond;
+            for (const NodeImage* node : {&a, &b})
+              jumps |= !((went - node->beside[static_cast<std::size_t>(axis)]).lengthSqr() <= tolerance);
             steps[count++] = went;
+            sum += went;
           }
-          const Vec3d middle = (steps[0] + steps[1] + steps[2] + steps[3]) * 0.25;
-          double most = 0;
-          for (const Vec3d& one : steps) most = std::max(most, (one - middle).lengthSqr());
-          mean.setCol(axis, middle / step);
-          apart += most / (step * step);
+          const Vec3s middle = sum * 0.25f;
+          float most = 0;
+          for (const Vec3s& one : steps) most = std::max(most, (one - middle).lengthSqr());
+          mean.setCol(axis, mean.col(axis) + Vec3d(middle) / step);
+          apart += static_cast<double>(most) / (step * step);
         }
         if (jumps) {
           state = kJumps;
@@ -462,7 +488,7 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
         const double slope = (std::sqrt(norm) + std::sqrt(apart)) * kUp;
         state = static_cast<float>(slope);
         Vec3d centre(0);
-        for (const Vec3d& one : beyond) centre += one * 0.125;
+        for (const NodeImage* node : corners) centre += Vec3d(node->beyond) * 0.125;
         centre += place.overallMap(toFractal(phi.indexToWorld(cell.asVec3d() + Vec3d(0.5))));
         centres.push_back(pointOf(centre));
         radii.push_back(slope * step * std::sqrt(0.75) * kUp);
@@ -496,7 +522,7 @@ PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, co
       if (!images[i]) continue;
       auto* const leaf = grid->tree().touchLeaf(leaves[i]->origin());
       for (unsigned offset = 0; offset < 512; ++offset)
-        if (images[i]->known[offset]) leaf->setValueOn(offset, static_cast<float>(images[i]->beyond[offset][axis]));
+        if (images[i]->known[offset]) leaf->setValueOn(offset, images[i]->nodes[offset].beyond[axis]);
     }
     beyond[static_cast<std::size_t>(axis)] =
         makeLatticeField<double>(*grid, nodes, space, julia::Interpolation::Trilinear);
