@@ -2,6 +2,7 @@
 #include "julia/brick_field.h"
 
 #include "ball_arithmetic.h"
+#include "brick_lattice.h"
 #include "brick_pyramid.h"
 #include "kernels/kernels.h"
 
@@ -43,13 +44,8 @@ BrickField<Real>::BrickField(std::shared_ptr<const Bricks> bricks, const BrickPl
     if (!(low >= 0 && high >= low && high + 0.5 < end))
       throw std::invalid_argument("positions from " + std::to_string(low) + " to " + std::to_string(high) +
                                   " do not lie within " + std::to_string(end) + " nodes");
-    for (std::size_t column = 0; column < 3; ++column)
-      lattice->matrix[row][column] = static_cast<Real>(placement.matrix[row][column]);
-    lattice->offset[row] = static_cast<Real>(placement.offset[row]);
-    lattice->low[row] = static_cast<Real>(low);
-    lattice->high[row] = static_cast<Real>(high);
-    lattice->bricks[row] = mBricks->count[row];
   }
+  placeLattice<Real>(placement, mBricks->count, *lattice);
   // The norm of M M^T is at most its largest sum over a row, which is exact for a similarity.
   for (const auto& row : lattice->matrix) {
     double sum = 0;
@@ -63,8 +59,6 @@ BrickField<Real>::BrickField(std::shared_ptr<const Bricks> bricks, const BrickPl
   if (!(placement.knee.more >= 0))
     throw std::invalid_argument("below its knee a field has " + std::to_string(placement.knee.more) +
                                 " more slope; it must be 0 or more");
-  lattice->knee = static_cast<Real>(placement.knee.at);
-  lattice->more = static_cast<Real>(placement.knee.more);
   lattice->brickAt = mBricks->brickAt.data();
   lattice->values = mBricks->values.data();
   mLattice = std::move(lattice);

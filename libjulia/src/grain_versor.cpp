@@ -3,6 +3,7 @@
 
 #include "batch_view.h"
 #include "cone_arithmetic.h"
+#include "joined_bricks.h"
 #include "number_text.h"
 #include "wave_sums.h"
 #include "wave_tables.h"
@@ -13,11 +14,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 namespace julia {
+
+static_assert(kGrainFields == kernels::kJoinedFields);
 
 template <class Real>
 struct GrainVersor<Real>::Plan {
@@ -25,29 +29,28 @@ struct GrainVersor<Real>::Plan {
   double turning = 0;  ///< radians by which the versor typically turns while u turns once
 };
 
+/// The copy takes memory and time, and not every versor is evaluated.
+template <class Real>
+struct GrainVersor<Real>::Joined {
+  std::once_flag made;
+  std::unique_ptr<const JoinedBricks<Real>> bricks;  ///< null if the fields cannot be joined
+};
+
 template <class Real>
 GrainVersor<Real>::GrainVersor(const WaveTexture& texture, Fields fields, double wavelength, DropAxis dropped)
-    : mTexture(texture), mFields(std::move(fields)), mWavelength(wavelength), mEmbedding{.dropped = dropped} {
+    : mTexture(texture),
+      mFields(std::move(fields)),
+      mWavelength(wavelength),
+      mEmbedding{.dropped = dropped},
+      mJoined(std::make_unique<Joined>()) {
   requireValid(texture);
-  auto plan = std::make_unique<Plan>(Plan{WaveTables<Real>(texture)});
-  constexpr double kTurn = 6.28318530717958647693;
-  double squares = 0;
-  for (const WaveFactor& factor : texture.factors) {
-    double slope = 0, amplitude = 0;
-    for (const Wave& wave : factor.waves) {
+  for (const WaveFactor& factor : texture.factors)
+    for (const Wave& wave : factor.waves)
       for (const double number : {wave.frequency.a, wave.frequency.b})
         if (number != std::round(number))
           throw std::invalid_argument("a wave along a grain has the wave number " + textOf(number) +
                                       "; it must be whole");
-      const double size = std::sqrt(normSquared(wave.cosine) + normSquared(wave.sine));
-      slope += size * norm(wave.frequency) * kTurn;
-      amplitude += size;
-    }
-    slope *= std::abs(factor.power) / amplitude;
-    squares += slope * slope;
-  }
-  plan->turning = std::sqrt(squares);
-  mPlan = std::move(plan);
+  mPlan = std::make_unique<const Plan>(Plan{WaveTables<Real>(texture), typicalTurning(texture)});
 }
 
 template <class Real>
@@ -58,12 +61,13 @@ void GrainVersor<Real>::versor(const QuaternionBatch<Real>& q, QuaternionBatch<R
   u.resize(q.size());
   const auto [x, y, z] = mEmbedding.point(Quaternion<std::span<const Real>>{q.a, q.b, q.c, q.d});
   std::vector<Real> read(kGrainFields * q.size());
-  const Real* rows[kGrainFields];
-  for (std::size_t k = 0; k < kGrainFields; ++k) {
-    const std::span<Real> row = std::span(read).subspan(k * q.size(), q.size());
-    mFields[k]->sample(x, y, z, row);
-    rows[k] = row.data();
-  }
+  Real* rows[kGrainFields];
+  for (std::size_t k = 0; k < kGrainFields; ++k) rows[k] = read.data() + k * q.size();
+  std::call_once(mJoined->made, [this] { mJoined->bricks = JoinedBricks<Real>::of(mFields); });
+  if (mJoined->bricks)
+    mJoined->bricks->sample(x, y, z, rows);
+  else
+    for (std::size_t k = 0; k < kGrainFields; ++k) mFields[k]->sample(x, y, z, {rows[k], q.size()});
   kernels::kernels<Real>().grainVersor(mPlan->tables.waves.data(), mPlan->tables.factors.data(),
                                        mPlan->tables.factors.size(), rows, view(u), q.size());
 }
@@ -126,7 +130,7 @@ void GrainVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones
       for (const WaveFactor& factor : mTexture.factors) {
         double change = 0;
         for (const Wave& wave : factor.waves) {
-          const double size = std::sqrt(normSquared(wave.cosine) + normSquared(wave.sine));
+          const double size = amplitudeOf(wave);
           const double m = std::abs(wave.frequency.a), n = std::abs(wave.frequency.b), w = std::abs(wave.frequency.c);
           const double quadrants = m * along.half + n * across.half + 4 * w * halfDepth;
           const double rounding = kEpsilon * (32 + 8 * (2 * m + 2 * n + 4 * w * (std::abs(depth) + halfDepth)) +
@@ -151,8 +155,8 @@ void GrainVersor<Real>::cones(std::span<const Ball> balls, std::span<Cone> cones
 
 template <class Real>
 double GrainVersor<Real>::usefulRadius() const {
-  constexpr double kTurn = 0.025;  // radians, as for WaveVersor
-  return mPlan->turning > 0 ? kTurn * mWavelength / mPlan->turning : 0;
+  constexpr double kAngle = 0.025;  // radians, as for WaveVersor
+  return mPlan->turning > 0 ? kAngle * mWavelength / mPlan->turning : 0;
 }
 
 template <class Real>

@@ -4,6 +4,7 @@
 Started by Python it starts itself again inside Blender: blender -b --factory-startup --python blender_test.py
 """
 
+import math
 import os
 import pathlib
 import shutil
@@ -246,6 +247,56 @@ class Addon(unittest.TestCase):
     def test_paint_without_colours_is_refused(self):
         self.source(paint="MASK")
         with self.assertRaisesRegex(RuntimeError, "has no colour attribute"):
+            bpy.ops.juliavdb.make()
+
+    def comb(self, source, name, domain, vector):
+        attribute = source.data.attributes.new(name, "FLOAT_VECTOR", domain)
+        places = (range(len(source.data.vertices)) if domain == "POINT"
+                  else [loop.vertex_index for loop in source.data.loops])
+        for index, vertex in enumerate(places):
+            attribute.data[index].vector = vector(source.data.vertices[vertex].co)
+
+    def test_a_grain_reaches_the_program(self):
+        for grain in ("along", "around", "curvature", "down"):
+            self.source(grain=grain, hide_source=False)
+            command = self.make()["juliavdb_command"]
+            self.assertIn(f"--grain={grain}", command)
+            self.assertNotIn("--grain-turn", command)
+        self.source(versor="rings", frequency=3, grain="along", grain_turn=math.radians(30), hide_source=False)
+        command = self.make()["juliavdb_command"]
+        self.assertIn("--grain-turn=30", command)
+        self.assertIn("--frequency=3", command)
+        self.source(versor="random", grain="along", hide_source=False)
+        self.assertNotIn("--grain", self.make()["juliavdb_command"])
+
+    def test_a_combed_attribute_is_followed(self):
+        """Vectors are those of the object, whichever axis is up: one direction everywhere gives what that vector gives."""
+        def fur(**recipe):
+            return self.source(hide_source=False, resolution=48, versor="fur", **recipe)
+
+        def points():
+            return numpy.array([vertex.co for vertex in self.make().data.vertices])
+        for up, vector in (("Z", "1,3,-2"), ("Y", "1,2,3")):   # the program's Y is Blender's Z, and its Z is -Y
+            fur(up=up, more="--sdf-resolution 60 --grain " + vector)
+            expected = points()
+            for domain in ("POINT", "CORNER"):
+                with self.subTest(up=up, domain=domain):
+                    source = fur(up=up, grain="combed", grain_attribute="Comb")
+                    self.comb(source, "Comb", domain, lambda _: (1, 2, 3))
+                    found = points()
+                    self.assertEqual(found.shape, expected.shape)
+                    self.assertLess(numpy.abs(found - expected).max(), 1e-5)
+        # Another comb is another fractal.
+        source = fur(up="Y", grain="combed", grain_attribute="Comb")
+        self.comb(source, "Comb", "POINT", lambda co: (-co.y, co.x, 0))
+        other = points()
+        self.assertTrue(other.shape != expected.shape or numpy.abs(other - expected).max() > 0.01)
+
+    def test_a_grain_without_its_attribute_is_refused(self):
+        source = self.source(grain="combed", grain_attribute="Comb")
+        source.data.attributes.new("Wind", "FLOAT_VECTOR", "POINT")
+        source.data.attributes.new("Comb", "FLOAT", "POINT")
+        with self.assertRaisesRegex(RuntimeError, "no attribute 'Comb' of vectors.*it has Wind"):
             bpy.ops.juliavdb.make()
 
     def test_an_error_of_the_program_is_reported(self):
@@ -509,7 +560,7 @@ class Addon(unittest.TestCase):
                 self.assertAlmostEqual(one, other, delta=0.005)
 
     def write_source(self, source):
-        points, triangles, attributes = self.addon.meshes.to_arrays(source, bpy.context)
+        points, triangles, attributes, _ = self.addon.meshes.to_arrays(source, bpy.context)
         data = self.addon.ply.encoded(self.addon.meshes.z_up_to_y_up(points), triangles, attributes)
         (self.folder / "source.ply").write_bytes(data)
 

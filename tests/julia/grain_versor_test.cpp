@@ -7,6 +7,7 @@
 #include "support/brick_fields.h"
 #include "support/float128.h"
 #include "support/random_grain.h"
+#include "support/same_bits.h"
 
 #include <gtest/gtest.h>
 
@@ -15,6 +16,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -128,6 +130,47 @@ TYPED_TEST(GrainVersors, are1WhereNothingIsCertain) {
     const julia::WaveTexture texture = law_tests::randomGrainWaves(random);
     const Quaternion<double> u = versorAt<Real>(texture, {1, 2, 0.1, 0, random.between(0, 1)});
     EXPECT_EQ(u, Quaternion<double>::one());
+  }
+}
+
+/// Fields on one lattice are read together. Near points share a cell, and far ones do not.
+TYPED_TEST(GrainVersors, haveTheBitsOfFieldsThatAreReadOneByOne) {
+  using Real = TypeParam;
+  Random random(2205);
+  for (int round = 0; round < 12; ++round) {
+    const auto dropped = static_cast<DropAxis>(round % 3);
+    const law_tests::GrainFields<Real> described = law_tests::randomGrainFields<Real>(random);
+    law_tests::GrainFields<Real> plain, mixed = described;
+    for (std::size_t k = 0; k < plain.size(); ++k)
+      plain[k] = std::make_shared<law_tests::UndescribedField<Real>>(described[k]);
+    mixed[static_cast<std::size_t>(round) % mixed.size()] = plain[static_cast<std::size_t>(round) % mixed.size()];
+    // Another lattice for one of them.
+    law_tests::GrainFields<Real> finer = described, plainFiner = plain;
+    finer[4] = law_tests::brickFieldOf<Real>(law_tests::lumpy, julia::Interpolation::Trilinear, 0.6, 1. / 40);
+    plainFiner[4] = std::make_shared<law_tests::UndescribedField<Real>>(finer[4]);
+    const julia::WaveTexture texture = law_tests::randomGrainWaves(random);
+    julia::QuaternionBatch<Real> q;
+    q.resize(static_cast<std::size_t>(random.integer(1, 700)));
+    Quaternion<double> at;
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      const double step = i % 200 < 100 ? 1e-4 : 2;
+      if (i % 200 == 0 || step > 1)
+        at = {random.between(-1, 1), random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
+      at.a += 1e-4;
+      q.set(i, at.as<Real>());
+    }
+    const auto bits = [&](const law_tests::GrainFields<Real>& fields) {
+      const GrainVersor<Real> versor(texture, fields, 1, dropped);
+      julia::QuaternionBatch<Real> u;
+      versor.versor(q, u);
+      std::vector<Real> all;
+      for (const auto* part : {&u.a, &u.b, &u.c, &u.d}) all.insert(all.end(), part->begin(), part->end());
+      return all;
+    };
+    EXPECT_EQ(law_tests::bitsOf<Real>(bits(described)), law_tests::bitsOf<Real>(bits(plain))) << "round " << round;
+    EXPECT_EQ(law_tests::bitsOf<Real>(bits(mixed)), law_tests::bitsOf<Real>(bits(plain))) << "round " << round;
+    EXPECT_EQ(law_tests::bitsOf<Real>(bits(finer)), law_tests::bitsOf<Real>(bits(plainFiner))) << "round " << round;
+    law_tests::expectSameBits<Real>([&] { return bits(described); });
   }
 }
 

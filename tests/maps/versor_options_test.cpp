@@ -44,6 +44,9 @@ TEST(VersorOptions, readTheControlsThatTheyNeed) {
       (Names{"at-nx", "at-phi", "at-red", "mix"}));
   EXPECT_EQ(controlNames({{"texture-over", "rings"}}), Names{"mix"});
   EXPECT_EQ(controlNames({{"texture", "rings"}, {"texture-over", "scales"}}), (Names{"mix", "over-octave"}));
+  EXPECT_EQ(controlNames({{"texture", "fur"}, {"grain", "along"}}), Names{"grain"});
+  EXPECT_EQ(controlNames({{"texture", "expr:x,y,z"}, {"texture-over", "scales"}, {"grain", "along"}}),
+            (Names{"over-grain", "mix"}));
 }
 
 TEST(VersorOptions, recordWhatMeansSomethingAlone) {

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
+#include <utility>
 
 namespace law_tests {
 
@@ -49,5 +51,19 @@ std::shared_ptr<julia::BrickField<Real>> brickFieldOf(const SpaceFunction& value
   }
   return std::make_shared<julia::BrickField<Real>>(bricks, placement);
 }
+
+/// A field that does not say that it is read from bricks.
+template <class Real>
+class UndescribedField final : public julia::ScalarField<Real> {
+ public:
+  explicit UndescribedField(std::shared_ptr<const julia::ScalarField<Real>> field) : mField(std::move(field)) {}
+  void sample(std::span<const Real> x, std::span<const Real> y, std::span<const Real> z,
+              std::span<Real> out) const override {
+    mField->sample(x, y, z, out);
+  }
+
+ private:
+  std::shared_ptr<const julia::ScalarField<Real>> mField;
+};
 
 }  // namespace law_tests

@@ -23,9 +23,12 @@ inline julia::WaveTexture randomGrainWaves(Random& random) {
   return texture;
 }
 
+template <class Real>
+using GrainFields = typename julia::GrainVersor<Real>::Fields;
+
 /// Phases that turn along two random directions, with a vortex of the second along a line, where nothing is certain.
 template <class Real>
-std::shared_ptr<const julia::GrainVersor<Real>> randomGrainVersor(Random& random, julia::DropAxis dropped) {
+GrainFields<Real> randomGrainFields(Random& random) {
   std::array<double, 3> along{}, at{};
   for (double& x : along) x = random.between(-6, 6);
   for (double& x : at) x = random.between(-0.3, 0.3);
@@ -37,11 +40,15 @@ std::shared_ptr<const julia::GrainVersor<Real>> randomGrainVersor(Random& random
   const auto field = [](const SpaceFunction& value) {
     return brickFieldOf<Real>(value, julia::Interpolation::Trilinear, 0.6, 1. / 24);
   };
-  const typename julia::GrainVersor<Real>::Fields fields{
-      field([=](double x, double y, double z) { return std::cos(phase(x, y, z)); }),
-      field([=](double x, double y, double z) { return std::sin(phase(x, y, z)); }),
-      field([=](double x, double y, double) { return vortex(x, y, x - at[0]); }),
-      field([=](double x, double y, double) { return vortex(x, y, y - at[1]); }), field(lumpy)};
+  return {field([=](double x, double y, double z) { return std::cos(phase(x, y, z)); }),
+          field([=](double x, double y, double z) { return std::sin(phase(x, y, z)); }),
+          field([=](double x, double y, double) { return vortex(x, y, x - at[0]); }),
+          field([=](double x, double y, double) { return vortex(x, y, y - at[1]); }), field(lumpy)};
+}
+
+template <class Real>
+std::shared_ptr<const julia::GrainVersor<Real>> randomGrainVersor(Random& random, julia::DropAxis dropped) {
+  const GrainFields<Real> fields = randomGrainFields<Real>(random);
   return std::make_shared<julia::GrainVersor<Real>>(randomGrainWaves(random), fields, 1, dropped);
 }
 

@@ -72,9 +72,12 @@ class Making:
         paint = meshes.paint_name(source) if owner.juliavdb.paint != "NONE" else ""
         if owner.juliavdb.paint != "NONE" and not paint:
             raise programs.ProgramError(f"'{source.name}' has no colour attribute; paint it, or set Paint to Nothing")
-        points, triangles, attributes = meshes.to_arrays(source, context, paint)
+        combed = owner.juliavdb.grain_attribute if "--grain=paint:" + settings.COMBED in words else None
+        points, triangles, attributes, vectors = meshes.to_arrays(source, context, paint, combed)
         if self._recipe["up"] == "Z":
-            points = meshes.z_up_to_y_up(points)
+            points, vectors = meshes.z_up_to_y_up(points), meshes.z_up_to_y_up(vectors)
+        if combed is not None:
+            attributes.update({f"{settings.COMBED}_{axis}": vectors[:, k] for k, axis in enumerate("xyz")})
         self._longest = float((points.max(0) - points.min(0)).max())
         self._prepare(context, ply.encoded(points, triangles, attributes), words)
         try:

@@ -27,20 +27,37 @@ def _colours(mesh, name):
     attribute = mesh.color_attributes.get(name)
     if attribute is None or len(attribute.data) == 0:
         raise ProgramError(f"The colour attribute '{name}' does not survive the modifiers of the object")
-    values = _floats(attribute.data, "color", 4)
+    return _at_vertices(mesh, attribute, _floats(attribute.data, "color", 4))
+
+
+def _vectors(mesh, name):
+    """The vector of each vertex, (n, 3)."""
+    attribute = mesh.attributes.get(name)
+    if attribute is None or attribute.data_type != "FLOAT_VECTOR" or attribute.domain not in ("POINT", "CORNER"):
+        known = [each.name for each in mesh.attributes
+                 if each.data_type == "FLOAT_VECTOR" and each.domain in ("POINT", "CORNER") and each.name != "position"]
+        raise ProgramError(f"The mesh has no attribute '{name}' of vectors on its vertices for the grain to follow; choose one under "
+                           f"Vectors; it has {', '.join(known) or 'none'}")
+    return _at_vertices(mesh, attribute, _floats(attribute.data, "vector", 3))
+
+
+def _at_vertices(mesh, attribute, values):
+    """The values of an attribute at the vertices; where those of a vertex's corners differ, their mean."""
     if attribute.domain == "POINT":
         return values
     owners = numpy.empty(len(mesh.loops), dtype=numpy.int32)
     mesh.loops.foreach_get("vertex_index", owners)
     number = numpy.maximum(numpy.bincount(owners, minlength=len(mesh.vertices)), 1)
     return numpy.column_stack([numpy.bincount(owners, values[:, channel], len(mesh.vertices)) / number
-                               for channel in range(4)])
+                               for channel in range(values.shape[1])])
 
 
-def to_arrays(source, context, paint=""):
-    """The object's points, triangles and attributes as ply.encoded() takes them, with the modifiers applied.
+def to_arrays(source, context, paint="", combed=None):
+    """The object's points, triangles and attributes as ply.encoded() takes them, with the modifiers applied, and a vector for
+    each point.
 
-    `paint` names a colour attribute, which becomes red, green, blue, alpha and brightness.
+    `paint` names a colour attribute, which becomes red, green, blue, alpha and brightness. `combed` names the attribute of the
+    vectors; without it they are 0.
     Raises ProgramError if there is nothing to make a fractal from.
     """
     if source.mode == "EDIT":
@@ -62,6 +79,7 @@ def to_arrays(source, context, paint=""):
             points = _floats(mesh.vertices, "co", 3)
             triangles = numpy.empty(3 * len(mesh.loop_triangles), dtype=numpy.int32)
             mesh.loop_triangles.foreach_get("vertices", triangles)
+            vectors = numpy.zeros_like(points) if combed is None else _vectors(mesh, combed)
             attributes = {}
             if paint:
                 colours = _colours(mesh, paint)
@@ -72,7 +90,7 @@ def to_arrays(source, context, paint=""):
     finally:
         source.hide_viewport = hidden_everywhere
         source.hide_set(hidden)
-    return points, triangles.reshape(-1, 3), attributes
+    return points, triangles.reshape(-1, 3), attributes, vectors
 
 
 def from_arrays(name, points, triangles, colours=None):

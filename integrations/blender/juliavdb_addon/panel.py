@@ -51,8 +51,14 @@ def _settings(layout, context, source):
         row = layout.row()
         row.enabled = pictures.has_seed(known.textures, chosen.versor)
         row.prop(chosen, "seed")
-        if pictures.follows_thickness(known.textures, chosen.versor):
+        if settings.has_grain(chosen) or pictures.follows_thickness(known.textures, chosen.versor):
             layout.prop(chosen, "frequency")
+        if settings.can_have_grain(chosen):
+            layout.prop(chosen, "grain")
+        if settings.has_grain(chosen):
+            if chosen.grain == settings.COMBED:
+                layout.prop_search(chosen, "grain_attribute", source.data, "attributes")
+            layout.prop(chosen, "grain_turn")
         if chosen.versor == pictures.RANDOM["name"]:
             layout.prop(chosen, "roots")
             layout.prop(chosen, "power_low")

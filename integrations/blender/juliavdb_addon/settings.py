@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The preferences of the add-on, and the settings that each object keeps: they are the recipe of a fractal."""
 
+import math
 import shlex
 
 import bpy
@@ -11,9 +12,11 @@ from .program import ProgramError
 
 # What a result takes over from the object that it was made of.
 RECIPE = ("detail", "outward", "versor", "seed", "frequency", "roots", "power_low", "power_high", "resolution", "output",
-          "paint", "paint_channel", "detail_black", "colour", "gradient", "up", "repair", "more")
+          "grain", "grain_attribute", "grain_turn", "paint", "paint_channel", "detail_black", "colour", "gradient", "up", "repair", "more")
 # The colours that have a gradient; the others are colours by themselves.
 THROUGH_GRADIENT = ("trap", "iterations", "depth")
+# The grain that an attribute of the mesh decides. Its vectors reach the program by this name.
+COMBED = "combed"
 POWERS = defaults.span("texture-powers")
 
 
@@ -73,6 +76,20 @@ class Settings(bpy.types.PropertyGroup):
         name="Frequency", min=0.05, soft_max=8, max=1000, default=defaults.number("frequency"), precision=2, step=10,
         description="How many features of the texture lie across the local thickness, of textures that follow it: 1 is "
                     "coarse, 2 medium, 4 fine")
+    grain: EnumProperty(
+        name="Grain", default="none", description="What the texture follows",
+        items=[("none", "Nothing", "The texture is fixed to the axes of space"),
+               ("along", "Along", "It runs along limbs, towards their thin ends"),
+               ("around", "Around", "It runs around limbs"),
+               ("curvature", "Curvature", "It runs along the least bending at each place"),
+               ("down", "Down", "It hangs down"),
+               (COMBED, "Combed", "It runs along the vectors of an attribute of the mesh")])
+    grain_attribute: StringProperty(
+        name="Vectors", description="An attribute of vectors on the points of the mesh, in its own coordinates. Where one is 0 or "
+                                    "at a right angle to the surface, the surroundings decide")
+    grain_turn: FloatProperty(
+        name="Turn", subtype="ANGLE", default=0, soft_min=-math.pi, soft_max=math.pi,
+        description="By how much the grain is turned in the surface, to the left as seen from outside")
     roots: IntProperty(
         name="Roots", min=1, soft_max=100, max=100000, default=defaults.whole("texture-roots"),
         description="The number of roots of a random texture")
@@ -134,6 +151,15 @@ class Settings(bpy.types.PropertyGroup):
             setattr(self, name, getattr(other, name))
 
 
+def can_have_grain(settings):
+    """Whether the texture can follow a grain: all but random roots can."""
+    return settings.versor != pictures.RANDOM["name"]
+
+
+def has_grain(settings):
+    return settings.grain != "none" and can_have_grain(settings)
+
+
 def words(settings):
     """The options of `juliavdb fractal` for these settings, without files.
 
@@ -155,7 +181,11 @@ def words(settings):
         result.append(f"--mask={channel}")
     if pictures.has_seed(known.textures, settings.versor):
         result.append(f"--texture-seed={settings.seed}")
-    if pictures.follows_thickness(known.textures, settings.versor):
+    if has_grain(settings):
+        result.append("--grain=" + (f"paint:{COMBED}" if settings.grain == COMBED else settings.grain))
+        if settings.grain_turn:
+            result.append(f"--grain-turn={number(math.degrees(settings.grain_turn))}")
+    if has_grain(settings) or pictures.follows_thickness(known.textures, settings.versor):
         result.append(f"--frequency={number(settings.frequency)}")
     if settings.versor == pictures.RANDOM["name"]:
         if settings.power_low > settings.power_high:

@@ -51,12 +51,14 @@ class GrainVersor final : public VersorField<Real> {
 
  private:
   struct Plan;
+  struct Joined;
 
   WaveTexture mTexture;
   Fields mFields;
   double mWavelength;
   Embedding mEmbedding;
   std::unique_ptr<const Plan> mPlan;
+  std::unique_ptr<Joined> mJoined;
 };
 
 extern template class GrainVersor<float>;

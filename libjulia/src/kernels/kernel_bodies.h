@@ -386,38 +386,66 @@ JULIA_INLINE bool isOneCell(const Row<std::int32_t>& brick, const Row<std::int32
   return differing == 0;
 }
 
+/// Nodes along the edge of a brick that is read trilinearly.
+constexpr std::uint32_t kTrilinearSide = 9;
+
+/// How a block reads bricks trilinearly: the first corner of the cell of each point, the place in the cell, and whether
+/// the kWidest points of a group share it.
+template <class Real>
+struct TrilinearReads {
+  alignas(64) Row<Real> position[3];
+  const float* at[kBlock];
+  bool isShared[kBlock / kWidest];
+};
+
+/// @tparam kFields  the values of a node, which lie side by side
+template <std::size_t kFields, class Real>
+JULIA_INLINE void findReads(const BrickLattice<Real>& lattice, const Real* const (&from)[3], const Range& range,
+                            TrilinearReads<Real>& reads) {
+  constexpr std::uint32_t kSide = kTrilinearSide;
+  constexpr std::size_t kRow = kSide * kFields, kFace = kSide * kRow, kBrick = kSide * kFace;
+  alignas(64) Row<Real> point[3];
+  alignas(64) Row<std::int32_t> cell[3], brick, offset;
+  const std::size_t padded = range.padded;
+  for (int axis = 0; axis < 3; ++axis) load(from[axis], point[axis], range);
+  latticePositions(lattice, point, reads.position, padded);
+  for (int axis = 0; axis < 3; ++axis) JULIA_FOR_POINTS {
+      const std::int32_t floor = static_cast<std::int32_t>(reads.position[axis][i]);
+      cell[axis][i] = floor;
+      reads.position[axis][i] -= static_cast<Real>(floor);
+    }
+  findCells<Real, kSide>(lattice, cell, brick, offset, padded);
+  // Addresses are computed in advance: points of a block may lie far apart, and a read waits for memory. Where the
+  // voxels are much finer than the lattice, most groups read one cell.
+  for (std::size_t first = 0; first < padded; first += kWidest) {
+    const bool isOne = reads.isShared[first / kWidest] = isOneCell(brick, offset, first);
+    for (std::size_t i = first; i < first + (isOne ? 1 : kWidest); ++i) {
+      const float* const at = reads.at[i] = lattice.values + std::size_t{lattice.brickAt[brick[i]]} * kBrick +
+                                            static_cast<std::size_t>(offset[i]) * kFields;
+      __builtin_prefetch(at);
+      __builtin_prefetch(at + kFace + kRow);
+      if (kFields > 1) {
+        __builtin_prefetch(at + kRow);
+        __builtin_prefetch(at + kFace);
+      }
+    }
+  }
+}
+
 template <class Real>
 void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                      std::size_t size) {
-  constexpr std::uint32_t kSide = 9;
-  alignas(64) Row<Real> point[3], position[3], result;
-  alignas(64) Row<std::int32_t> cell[3], brick, offset;
-  const float* at[kBlock];
-  bool isShared[kBlock / kWidest];
+  constexpr std::size_t kSide = kTrilinearSide;
+  alignas(64) Row<Real> result;
+  TrilinearReads<Real> reads;
+  const auto& [position, at, isShared] = reads;
   const Real* const from[3] = {x, y, z};
   // The two values along z that one read takes, and where the four reads begin.
   constexpr std::size_t kReads = 4, kBegins[kReads] = {0, kSide, kSide * kSide, kSide * kSide + kSide};
   for (std::size_t begin = 0; begin < size; begin += kBlock) {
     const Range range = blockAt(begin, size);
     const std::size_t padded = range.padded;
-    for (int axis = 0; axis < 3; ++axis) load(from[axis], point[axis], range);
-    latticePositions(lattice, point, position, padded);
-    for (int axis = 0; axis < 3; ++axis) JULIA_FOR_POINTS {
-        const std::int32_t floor = static_cast<std::int32_t>(position[axis][i]);
-        cell[axis][i] = floor;
-        position[axis][i] -= static_cast<Real>(floor);
-      }
-    findCells<Real, kSide>(lattice, cell, brick, offset, padded);
-    // Addresses are computed in advance: points of a block may lie far apart, and a read waits for memory. Where the
-    // voxels are much finer than the lattice, most groups read one cell.
-    for (std::size_t first = 0; first < padded; first += kWidest) {
-      const bool isOne = isShared[first / kWidest] = isOneCell(brick, offset, first);
-      for (std::size_t i = first; i < first + (isOne ? 1 : kWidest); ++i) {
-        at[i] = lattice.values + std::size_t{lattice.brickAt[brick[i]]} * (kSide * kSide * kSide) + offset[i];
-        __builtin_prefetch(at[i]);
-        __builtin_prefetch(at[i] + kSide * kSide + kSide);
-      }
-    }
+    findReads<1>(lattice, from, range, reads);
     for (std::size_t first = 0; first < padded; first += kWidest) {
       if (isShared[first / kWidest]) {
         Real v[2 * kReads];
@@ -440,6 +468,51 @@ void sampleTrilinear(const BrickLattice<Real>& lattice, const Real* x, const Rea
     const Real knee = lattice.knee, more = lattice.more;
     JULIA_FOR_POINTS result[i] = bent(result[i], knee, more);
     store(result, out, range);
+  }
+}
+
+/// Several fields, whose values of a node lie side by side, share positions, addresses and the lines of the cache.
+template <class Real>
+void sampleJoined(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* const* out,
+                  std::size_t size) {
+  constexpr std::size_t kFields = kJoinedFields, kRow = kTrilinearSide * kFields, kFace = kTrilinearSide * kRow;
+  constexpr std::size_t kCorners = 8, kAt[kCorners] = {0,     kFields,         kRow,         kRow + kFields,
+                                                       kFace, kFace + kFields, kFace + kRow, kFace + kRow + kFields};
+  alignas(64) Row<Real> result[kFields];
+  TrilinearReads<Real> reads;
+  const auto& [position, at, isShared] = reads;
+  const Real* const from[3] = {x, y, z};
+  for (std::size_t begin = 0; begin < size; begin += kBlock) {
+    const Range range = blockAt(begin, size);
+    findReads<kFields>(lattice, from, range, reads);
+    for (std::size_t first = 0; first < range.padded; first += kWidest) {
+      if (isShared[first / kWidest]) {
+        for (std::size_t k = 0; k < kFields; ++k) {
+          Real v[kCorners];
+          for (std::size_t corner = 0; corner < kCorners; ++corner) v[corner] = at[first][kAt[corner] + k];
+          JULIA_INDEPENDENT for (std::size_t i = first; i < first + kWidest; ++i) result[k][i] =
+              trilinear(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], position[0][i], position[1][i], position[2][i]);
+        }
+        continue;
+      }
+      // A vector is as wide as a power of two, so it reads the next node's values, too.
+      alignas(64) Real values[kWidest][kJoinedWidth];
+      for (std::size_t i = 0; i < kWidest; ++i) {
+        const float* const v = at[first + i];
+        const Real tx = position[0][first + i], ty = position[1][first + i], tz = position[2][first + i];
+        JULIA_INDEPENDENT for (std::size_t k = 0; k < kJoinedWidth; ++k) values[i][k] =
+            trilinear<Real>(v[kAt[0] + k], v[kAt[1] + k], v[kAt[2] + k], v[kAt[3] + k], v[kAt[4] + k], v[kAt[5] + k],
+                            v[kAt[6] + k], v[kAt[7] + k], tx, ty, tz);
+      }
+      for (std::size_t k = 0; k < kFields; ++k)
+        JULIA_INDEPENDENT for (std::size_t i = 0; i < kWidest; ++i) result[k][first + i] = values[i][k];
+    }
+    const Real knee = lattice.knee, more = lattice.more;
+    const std::size_t padded = range.padded;
+    for (std::size_t k = 0; k < kFields; ++k) {
+      JULIA_FOR_POINTS result[k][i] = bent(result[k][i], knee, more);
+      store(result[k], out[k], range);
+    }
   }
 }
 
@@ -504,6 +577,7 @@ constexpr Kernels<Real> kTable = {
     .grainVersor = grainVersor<Real>,
     .waveDiscs = waveDiscs,
     .sampleTrilinear = sampleTrilinear<Real>,
+    .sampleJoined = sampleJoined<Real>,
     .sampleQuadratic = sampleQuadratic<Real>,
     .logDistances = logDistances<Real>,
     .logSlopes = logSlopes<Real>,

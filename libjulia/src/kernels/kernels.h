@@ -103,6 +103,9 @@ struct VersorDisc {
   double radius;
 };
 
+/// Fields that are read together, and how many values a read of them takes.
+constexpr std::size_t kJoinedFields = 5, kJoinedWidth = 8;
+
 /// Rows and columns of the tiles in which dense matrices are multiplied.
 constexpr std::size_t kTile = 64;
 
@@ -158,6 +161,10 @@ struct Kernels {
   /// Trilinear: bricks of 8^3 cells, 9^3 values. Between nodes of a cell the result is linear along each axis.
   void (*sampleTrilinear)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                           std::size_t size);
+  /// The same for kJoinedFields fields on one lattice. The values of a node lie side by side, and after the last there
+  /// are kJoinedWidth - kJoinedFields floats more. @param out  a row for each field
+  void (*sampleJoined)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* const* out,
+                       std::size_t size);
   /// Quadratic B-spline: bricks of 8^3 nodes with one additional node on every side, 10^3 values.
   void (*sampleQuadratic)(const BrickLattice<Real>& lattice, const Real* x, const Real* y, const Real* z, Real* out,
                           std::size_t size);

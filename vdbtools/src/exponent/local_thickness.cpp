@@ -3,6 +3,7 @@
 
 #include "base/elementary.h"
 #include "base/in_parallel.h"
+#include "exponent/thin_parts.h"
 
 #include "vdbtools/base/text.h"
 #include "vdbtools/distance/target.h"
@@ -163,18 +164,14 @@ Lattice paint(const Lattice& depth, const std::vector<Ball>& balls, Monitor& mon
 
 /// Sets tau to kLeastThickness near the surface of a part that contains no node.
 void markThinParts(const Lattice& depth, Lattice& tau) {
-  // Within this distance of a node, there is a surface in one of its cells.
-  constexpr float kNear = 0.87f;  // half a cell's diagonal
   const Coord size = depth.size;
   for (int x = 1; x < size[0] - 1; ++x)
     for (int y = 1; y < size[1] - 1; ++y)
       for (int z = 1; z < size[2] - 1; ++z) {
-        const std::size_t here = depth.index(x, y, z);
-        if (depth.values[here] > 0 || depth.values[here] < -kNear) continue;
-        bool besideInside = false;
-        for (int i = 0; i < 27 && !besideInside; ++i)
-          besideInside = depth.values[depth.index(x + i / 9 - 1, y + i / 3 % 3 - 1, z + i % 3 - 1)] > 0;
-        if (!besideInside) tau.values[here] = static_cast<float>(kLeastThickness);
+        const auto distance = [&](int dx, int dy, int dz) {
+          return -depth.values[depth.index(x + dx, y + dy, z + dz)];
+        };
+        if (isBesideThinPart(distance)) tau.values[depth.index(x, y, z)] = static_cast<float>(kLeastThickness);
       }
 }
 

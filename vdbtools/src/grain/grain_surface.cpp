@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/counter_random.h"
 #include "base/in_parallel.h"
+#include "exponent/thin_parts.h"
 #include "search/point_cells.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/grain/grain.h"
@@ -11,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace vdbtools {
@@ -56,16 +58,6 @@ std::optional<Vec3d> crossingIn(const FloatGrid::ConstAccessor& phi, const Coord
   return cell.asVec3d() + sum / count;
 }
 
-/// Whether a node lies beside a part so thin that it contains none.
-bool isBesideThinPart(const FloatGrid::ConstAccessor& phi, const Coord& node, double voxel) {
-  constexpr double kNear = 0.87;  // half a cell's diagonal
-  const double here = static_cast<double>(phi.getValue(node));
-  if (!(here >= 0 && here < kNear * voxel)) return false;
-  for (int i = 0; i < 27; ++i)
-    if (phi.getValue(node.offsetBy(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1)) < 0) return false;
-  return true;
-}
-
 std::vector<SurfacePlace> surfacePlaces(const FloatGrid& phi, const LocalThickness& thickness, Monitor& monitor) {
   using Sampler = openvdb::tools::BoxSampler;
   const double voxel = phi.voxelSize()[0];
@@ -90,11 +82,14 @@ std::vector<SurfacePlace> surfacePlaces(const FloatGrid& phi, const LocalThickne
         const Coord cell = node.getCoord();
         // Farther than a cell's diagonal from the surface, nothing crosses it.
         if (!(std::abs(static_cast<double>(*node)) < 2 * voxel)) continue;
+        const auto distance = [&](int dx, int dy, int dz) {
+          return static_cast<float>(static_cast<double>(values.getValue(cell.offsetBy(dx, dy, dz))) / voxel);
+        };
         SurfacePlace place{.cell = cell};
         if (const std::optional<Vec3d> crossing = crossingIn(values, cell)) {
           place.at = *crossing;
           place.normal = slopeAt(place.at);
-        } else if (isBesideThinPart(values, cell, voxel)) {
+        } else if (isBesideThinPart(distance)) {
           place.normal = slopeAt(cell.asVec3d());
           if (!place.normal.normalize(0)) continue;
           place.at = cell.asVec3d() - place.normal * (static_cast<double>(*node) / voxel);

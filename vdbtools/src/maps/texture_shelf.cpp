@@ -26,14 +26,16 @@ WaveStrand field(int count, std::uint64_t stream, const Point& stretch = {1, 1, 
   return {.count = count, .power = power, .frequency = stretch, .fourth = along, .stream = stream};
 }
 
-// These were chosen by looking at many. Rings about X take one root, however many they are; rings about other axes take
-// two roots each.
+// These were chosen by looking at many. Bands along a grain that sink along it (their third number is negative) make
+// tips that lie towards its end. Rings about X take one root, however many they are; rings about other axes take two
+// roots each.
 std::vector<Texture> allTextures() {
   constexpr Point kI{1, 0, 0}, kJ{0, 1, 0}, kK{0, 0, 1};
   return {
       {.name = "scales",
        .description = "Overlapping plates with ragged tips, where two systems of slanting bands cross.",
-       .waves = {bands({0.5, 0.8, 0.3}, kI), bands({0.5, -0.8, 0.3}, kJ), field(4, 1)}},
+       .waves = {bands({0.5, 0.8, 0.3}, kI), bands({0.5, -0.8, 0.3}, kJ), field(4, 1)},
+       .grain = {bands({1, 1, -0.5}, kI, 2), bands({1, -1, -0.5}, kJ), field(4, 1, {0, 0, 0.8})}},
       {.name = "quills",
        .description = "Fine sharp spines in rows that lie along the body, like those of a hedgehog.",
        .waves = {bands({0, 0.5, 0}, kI, 3), bands({0.5, 0, 0}, kJ, 3)}},

@@ -150,12 +150,6 @@ bool isCoordinate(const std::string& name) {
   return std::find(std::begin(kKnown), std::end(kKnown), name) != std::end(kKnown);
 }
 
-/// Adds one of the grids of a grain.
-void addGrain(std::vector<MapControl>& controls, const std::string& name, const VersorSettings& settings,
-              const VersorSource& source) {
-  controls.push_back({name, "grain", source.roots.frequency, MapControl::Kind::Grain, settings.grain});
-}
-
 std::vector<const VersorSource*> sourcesOf(const VersorSettings& settings) {
   std::vector<const VersorSource*> sources{&settings.under};
   if (settings.over) sources.push_back(&*settings.over);
@@ -256,11 +250,16 @@ std::vector<NamedFile> filesOf(const VersorSettings& settings) {
   return files;
 }
 
-std::vector<std::string> grainGridNames(const std::string& layer) {
+std::vector<std::string> grainGridNames(const std::string& control) {
   std::vector<std::string> names;
   for (const char* field : {"-along-cosine", "-along-sine", "-across-cosine", "-across-sine", "-depth"})
-    names.push_back(layer + field);
+    names.push_back(control + field);
   return names;
+}
+
+std::vector<std::string> gridNames(const MapControl& control) {
+  if (control.kind == MapControl::Kind::Grain) return grainGridNames(control.name);
+  return {control.name};
 }
 
 std::vector<MapControl> controlsOf(const VersorSettings& settings) {
@@ -272,12 +271,12 @@ std::vector<MapControl> controlsOf(const VersorSettings& settings) {
       if (!isCoordinate(name) && known.insert(name).second)
         controls.push_back({"at-" + name, source->option, ControlSetting(expressionSource(name, source->option))});
   }
-  if (settings.grain) {
-    if (settings.under.followsGrain())
-      for (const std::string& name : grainGridNames("grain")) addGrain(controls, name, settings, settings.under);
-    if (settings.over && settings.over->followsGrain())
-      for (const std::string& name : grainGridNames("over-grain")) addGrain(controls, name, settings, *settings.over);
-  }
+  const auto addGrain = [&](const char* name, const VersorSource& source) {
+    if (settings.grain && source.followsGrain())
+      controls.push_back({name, "grain", source.roots.frequency, MapControl::Kind::Grain, settings.grain});
+  };
+  addGrain("grain", settings.under);
+  if (settings.over) addGrain("over-grain", *settings.over);
   if (!settings.over) return controls;
   controls.push_back({"mix", "texture-mix", settings.mix, MapControl::Kind::Share});
   if (settings.over->followsThickness() && !settings.grain)

@@ -147,22 +147,12 @@ ControlGrids controlsOf(const MapSettings& map, SharedTarget& shared, const Plac
   constexpr double kRounding = 1e-5;  // as of the shell's shares
   const std::pair share(-kRounding, 1 + kRounding);
   const std::pair any(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
-  std::vector<std::pair<std::string, GrainGrids>> grains;
   for (const MapControl& control : map.controls()) {
     const std::string option = "--" + control.option;
     if (control.kind == MapControl::Kind::Grain) {
-      // Layers of one frequency share their grids.
-      const std::string key = control.control->text();
-      auto found = std::find_if(grains.begin(), grains.end(), [&](const auto& grain) { return grain.first == key; });
-      if (found == grains.end())
-        found = grains.insert(grains.end(), {key, grainOf(*control.grain, control.control, shared, target, monitor)});
-      const GrainGrids& grain = found->second;
-      const std::string layer = control.name.starts_with("over-") ? "over-grain" : "grain";
-      const std::vector<std::string> names = grainGridNames(layer);
-      const FloatGrid::Ptr all[] = {grain.alongCosine, grain.alongSine, grain.acrossCosine, grain.acrossSine,
-                                    grain.depth};
-      for (std::size_t k = 0; k < names.size(); ++k)
-        if (names[k] == control.name) grids[control.name] = {all[k], target.placed.space};
+      const auto all = grainOf(*control.grain, control.control, shared, target, monitor).all();
+      const std::vector<std::string> names = gridNames(control);
+      for (std::size_t k = 0; k < names.size(); ++k) grids[names[k]] = {all[k], target.placed.space};
       continue;
     }
     if (control.kind == MapControl::Kind::Frequency) {

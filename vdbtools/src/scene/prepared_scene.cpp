@@ -10,6 +10,7 @@
 #include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
+#include "vdbtools/maps/versor_options.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <nlohmann/json.hpp>
@@ -174,10 +175,11 @@ SceneTarget sceneTargetOf(const VdbFile& file, const json& entry, const FractalS
                      .volume = numberOf(entry.at("target_volume"))};
   if (options.output.attributes.has(PointAttribute::Tau)) target.thickness = gridOf(file, "thickness", path);
   if (options.map->frequency()) target.octave = OctaveGrid{gridOf(file, "octave", path), space};
-  for (const MapControl& control : options.map->controls()) {
-    const FractalSpace where = spaceOf(entry.at("controls").at(control.name));
-    target.controls[control.name] = {gridOf(file, ("control-" + control.name).c_str(), path), where};
-  }
+  for (const MapControl& control : options.map->controls())
+    for (const std::string& name : gridNames(control)) {
+      const FractalSpace where = spaceOf(entry.at("controls").at(name));
+      target.controls[name] = {gridOf(file, ("control-" + name).c_str(), path), where};
+    }
   return target;
 }
 

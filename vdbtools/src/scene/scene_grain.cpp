@@ -6,14 +6,20 @@
 #include "search/surface_search.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/text.h"
+#include "vdbtools/files/named_file.h"
 #include "vdbtools/maps/direction_grids.h"
 #include "vdbtools/recipe/option_value.h"
-
-#include <openvdb/tools/Interpolation.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace vdbtools {
 namespace {
@@ -43,22 +49,18 @@ std::shared_ptr<const Mesh> requireMesh(const ControlContext& context, const Gra
 GrainVectors attributeVectors(const GrainSettings& settings, const ControlContext& context) {
   const std::shared_ptr<const Mesh> mesh = requireMesh(context, settings);
   std::array<const VertexAttribute*, 3> parts{};
-  const auto find = [&](const std::string& name) {
-    const auto found = std::find_if(mesh->attributes.begin(), mesh->attributes.end(),
-                                    [&](const VertexAttribute& attribute) { return attribute.name == name; });
-    return found == mesh->attributes.end() ? nullptr : &*found;
+  const auto isThere = [&](const std::string& name) {
+    return std::any_of(mesh->attributes.begin(), mesh->attributes.end(),
+                       [&](const VertexAttribute& attribute) { return attribute.name == name; });
   };
-  const bool hasUnderscores = find(settings.attribute + "_x");
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::string name = settings.attribute + (hasUnderscores ? "_" : "") + "xyz"[axis];
-    if (!find(name))
-      throw DataError("--grain " + settings.text +
-                      " needs a vector at each point of the target's mesh, which are the "
-                      "attributes " +
-                      settings.attribute + "_x, " + settings.attribute + "_y and " + settings.attribute +
-                      "_z; the mesh has " + attributeNames(*mesh));
-    parts[axis] = &requireAttribute(*mesh, name, "the target's mesh");
-  }
+  const std::string& name = settings.attribute;
+  const std::string stem = name + (isThere(name + "_x") ? "_" : "");
+  if (!isThere(stem + 'x') || !isThere(stem + 'y') || !isThere(stem + 'z'))
+    throw DataError("--grain " + settings.text +
+                    " needs a vector at each point of the target's mesh, which are the attributes " + name + "_x, " +
+                    name + "_y and " + name + "_z; the mesh has " + attributeNames(*mesh));
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    parts[axis] = &requireAttribute(*mesh, stem + "xyz"[axis], "the target's mesh");
   return vectorsOnMesh(mesh, [mesh, parts](const SurfacePoint& point) {
     const openvdb::Vec3I& t = mesh->triangles[point.triangle];
     Vec3d vector(0);
@@ -94,15 +96,15 @@ GrainVectors fieldVectors(const GrainSettings& settings, const ControlContext& c
   if (read.components.size() != 3)
     throw DataError("--grain " + settings.text + " names " + std::to_string(read.components.size()) +
                     " grids; it must be a grid of vectors, or three grids of floats");
-  const auto grids = std::make_shared<const DirectionGrids>(filledAbout(read, context.targetBox, "--grain"));
-  return [grids](std::span<const Vec3d> points, std::span<Vec3d> vectors) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-      for (int axis = 0; axis < 3; ++axis) {
-        const FloatGrid& grid = *grids->components[static_cast<std::size_t>(axis)];
-        Vec3d at = grid.worldToIndex(points[i]);
-        for (int k = 0; k < 3; ++k) at[k] = std::clamp<double>(at[k], grids->nodes.min()[k], grids->nodes.max()[k]);
-        vectors[i][axis] = static_cast<double>(openvdb::tools::BoxSampler::sample(grid.tree(), at));
-      }
+  const DirectionGrids filled = filledAbout(read, context.targetBox, "--grain");
+  std::vector<Control> parts;
+  for (const FloatGrid::Ptr& grid : filled.components) parts.push_back(clampedControl(grid, filled.nodes));
+  return [parts](std::span<const Vec3d> points, std::span<Vec3d> vectors) {
+    std::vector<double> values(points.size());
+    for (int axis = 0; axis < 3; ++axis) {
+      parts[static_cast<std::size_t>(axis)].sample(points, values);
+      for (std::size_t i = 0; i < points.size(); ++i) vectors[i][axis] = values[i];
+    }
   };
 }
 
@@ -114,11 +116,15 @@ double reachOf(const PlacedTarget& target) {
   return std::max(detail.detail.range().second, detail.outward.range().second) + kMargin;
 }
 
-/// Everything but the target and the content of files that the grids depend on.
+/// Everything but the target that the grids depend on. What files contain may change.
 std::string keyOf(const GrainSettings& settings, const ControlSetting& frequency, const PlacedTarget& target) {
   const FractalSpace& space = target.placed.unmoved;
   std::string key;
   for (const std::string& text : {settings.text, settings.turn->text(), frequency->text()}) key += text + '\n';
+  std::vector<NamedFile> files = settings.turn->files();
+  for (NamedFile& file : frequency->files()) files.push_back(std::move(file));
+  if (settings.file) files.push_back(*settings.file);
+  for (const NamedFile& file : files) key += sha256OfFile(file.path) + '\n';
   return key + numbersText({settings.scale, slopeOf(target.shell), reachOf(target), space.scale, space.centre[0],
                             space.centre[1], space.centre[2]});
 }
@@ -177,11 +183,8 @@ GrainGrids grainOf(const GrainSettings& settings, const ControlSetting& frequenc
   GrainGrids grids = grainGrids(grain.surface, phases, grain.wavelength, reachOf(target), grain.thickness, monitor);
   setGrainScale(*grids.depth, grain.scale);
   constexpr std::size_t kMost = 4;
-  // What files contain may change.
-  if (!settings.file && settings.turn->files().empty() && frequency->files().empty()) {
-    if (shared.grains.size() == kMost) shared.grains.erase(shared.grains.begin());
-    shared.grains.emplace_back(key, grids);
-  }
+  if (shared.grains.size() == kMost) shared.grains.erase(shared.grains.begin());
+  shared.grains.emplace_back(key, grids);
   return grids;
 }
 

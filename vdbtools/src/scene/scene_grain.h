@@ -7,6 +7,9 @@
 #include "vdbtools/grain/grain.h"
 #include "vdbtools/maps/grain_options.h"
 
+#include <complex>
+#include <vector>
+
 namespace vdbtools {
 
 /// The parts of the target that controls may refer to. @param needsTarget  whether one of them needs the distances

@@ -17,10 +17,10 @@
 
 #include "julia/grain/surface_graph.h"
 
+#include <array>
 #include <complex>
 #include <functional>
-#include <memory>
-#include <string>
+#include <span>
 #include <vector>
 
 namespace vdbtools {
@@ -76,6 +76,11 @@ GrainPhases grainPhases(const GrainSurface& surface, std::span<const std::comple
 /// and to less where the phase is not certain. Voxels that are too far from the surface are inactive and 0.
 struct GrainGrids {
   openvdb::FloatGrid::Ptr alongCosine, alongSine, acrossCosine, acrossSine, depth;
+
+  /// In the order of julia::GrainField.
+  std::array<openvdb::FloatGrid::Ptr, 5> all() const {
+    return {alongCosine, alongSine, acrossCosine, acrossSine, depth};
+  }
 };
 
 /// What a texture must know about such grids, which the grid of depths holds as metadata.

@@ -68,7 +68,7 @@ struct MapControl {
     Any,
     Share,      ///< from 0 to 1
     Frequency,  ///< the frequency of a texture, which the map receives as an octave (local_thickness.h)
-    Grain,      ///< the frequency of a texture that follows a grain; one of the five grids of GrainGrids
+    Grain,      ///< the frequency of a texture that follows a grain, which the map receives as the grids of GrainGrids
   };
   std::string name;    ///< letters, digits, underscores and dashes
   std::string option;  ///< without dashes, for errors

@@ -69,8 +69,11 @@ std::vector<OptionSpec> layerOptions();
 VersorSettings parseVersor(const RecipeReader& reader, bool hasFunction);
 
 std::vector<NamedFile> filesOf(const VersorSettings& settings);
-/// The names of the five grids of a layer's grain, in the order of julia::GrainField.
-std::vector<std::string> grainGridNames(const std::string& layer);
+/// The names of the five grids of a grain, in the order of julia::GrainField. @param control  the name of its
+/// MapControl
+std::vector<std::string> grainGridNames(const std::string& control);
+/// The names of the grids that a control becomes.
+std::vector<std::string> gridNames(const MapControl& control);
 /// The controls that are read where the map is evaluated.
 std::vector<MapControl> controlsOf(const VersorSettings& settings);
 /// @throw as readRoots() and readDirectionGrids()
