@@ -36,4 +36,9 @@ def given(vertices, faces, options):
 def scene(vertices, faces, progress, memory, options):
     """What a field or a fractal is made of."""
     options, versor, own_map = _options.with_functions(options)
-    return _juliavdb.Scene(*given(vertices, faces, options), memory, progress, versor, own_map)
+    rest = options.get("rest")
+    if rest is not None and not isinstance(rest, (str, os.PathLike)):
+        options = {name: value for name, value in options.items() if name != "rest"}
+    else:
+        rest = None
+    return _juliavdb.Scene(*given(vertices, faces, options), memory, progress, versor, own_map, rest)

@@ -19,22 +19,23 @@
 using vdbtools::Monitor;
 using vdbtools::Recipe;
 
-NamedOptions namedOptions(const Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
-                          const OwnFunctions& functions) {
+NamedOptions namedOptions(const Recipe& given, MemoryTarget target, const OwnFunctions& functions) {
   vdbtools::MapRegistry maps = vdbtools::builtInMaps(functions.versor);
   if (functions.map) maps.add(functionMap(functions.map));
   NamedOptions named{given, {}};
-  if (mesh) named.recipe["input"] = kMemory;
+  if (target.mesh) named.recipe["input"] = kMemory;
+  if (target.rest) named.recipe["rest"] = kMemory;
   named.recipe = vdbtools::completeRecipe(std::move(named.recipe), vdbtools::fractalOptionTable(maps));
   named.options = vdbtools::parseFractalOptions(named.recipe, maps);
-  if (mesh) named.options.target.value().mesh = std::move(mesh);
+  if (target.mesh) named.options.target.value().mesh = std::move(target.mesh);
+  if (target.rest) named.options.rest.value().mesh = std::move(target.rest);
   return named;
 }
 
-std::shared_ptr<MadeScene> makeNamedScene(const Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
-                                          const OwnFunctions& functions, Monitor& monitor) {
+std::shared_ptr<MadeScene> makeNamedScene(const Recipe& given, MemoryTarget target, const OwnFunctions& functions,
+                                          Monitor& monitor) {
   auto made = std::make_shared<MadeScene>();
-  NamedOptions named = namedOptions(given, std::move(mesh), functions);
+  NamedOptions named = namedOptions(given, std::move(target), functions);
   made->recipe = std::move(named.recipe);
   made->options = std::move(named.options);
   made->inputs = vdbtools::inputsOf(made->options);

@@ -67,14 +67,20 @@ struct OwnFunctions {
   MapFunction map{};
 };
 
-/// @throw as makeNamedScene() for wrong options
-NamedOptions namedOptions(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
-                          const OwnFunctions& functions = {});
+/// A target in memory.
+struct MemoryTarget {
+  std::shared_ptr<const vdbtools::Mesh> mesh{};
+  std::shared_ptr<const vdbtools::Mesh>
+      rest{};  ///< the same triangles at rest; nullptr: the recipe says what is at rest
+};
 
-/// @param mesh  the target, if it is in memory; the recipe must then have no input
+/// @throw as makeNamedScene() for wrong options
+NamedOptions namedOptions(const vdbtools::Recipe& given, MemoryTarget target, const OwnFunctions& functions = {});
+
+/// @param target  if it is in memory; the recipe must then have no input
 /// @throw std::invalid_argument  the options do not fit
 /// @throw as vdbtools::makeScene()
-std::shared_ptr<MadeScene> makeNamedScene(const vdbtools::Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh,
+std::shared_ptr<MadeScene> makeNamedScene(const vdbtools::Recipe& given, MemoryTarget target,
                                           const OwnFunctions& functions, vdbtools::Monitor& monitor);
 
 /// @throw std::invalid_argument  an option of the view is wrong

@@ -70,13 +70,18 @@ std::shared_ptr<const vdbtools::Mesh> meshOf(const py::array& vertices, const py
 
 std::shared_ptr<MadeScene> openScene(const Recipe& recipe, const py::object& vertices, const py::object& faces,
                                      const std::optional<std::string>& memoryText, const py::object& progress,
-                                     const py::object& versor, const py::object& map) {
+                                     const py::object& versor, const py::object& map, const py::object& rest) {
   const std::optional<double> memory = memoryOf(memoryText);
   const OwnFunctions functions{versorOf(versor), mapOf(map)};
-  std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
+  MemoryTarget target{.mesh = targetOf(vertices, faces)};
+  if (!rest.is_none()) {
+    if (!target.mesh)
+      throw std::invalid_argument("rest is an array, and the target is a file; give both as arrays, or both as files");
+    target.rest = targetOf(rest, faces);
+  }
   std::shared_ptr<MadeScene> made;
   doWatched(progress, memory,
-            [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(mesh, {}), functions, monitor); });
+            [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(target, {}), functions, monitor); });
   made->memory = memory;
   return made;
 }

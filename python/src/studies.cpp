@@ -99,7 +99,7 @@ py::dict dimensionOf(const vdbtools::Recipe& recipe, const py::object& vertices,
   std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   std::vector<vdbtools::GrowthRow> rows;
   doWatched(progress, memoryOf(memory), [&](Monitor& monitor) {
-    rows = vdbtools::measureGrowth(namedOptions(recipe, std::move(mesh)).options, resolutions, monitor);
+    rows = vdbtools::measureGrowth(namedOptions(recipe, {.mesh = std::move(mesh)}).options, resolutions, monitor);
   });
   const vdbtools::PowerLaw law = vdbtools::growthLaw(rows);
   py::dict result;

@@ -92,6 +92,7 @@ CASES = [
     ("slice", "moved/m.obj", ("far.vdb", "--search", "moved", "-o", OUT)),
     ("study", "r.json", ("b.obj", "--texture-over", "r.json", "-o", OUT)),
     ("study", "b.obj", ("b.obj", "-o", OUT)),
+    ("study", "c.obj", ("b.obj", "--rest", "c.obj", "-o", OUT)),
     ("study", "b.obj", ("b.obj", "-o", "new.png", "--curve", OUT)),
     ("study", "b.obj", ("b.obj", "-o", "new.png", "--csv", OUT)),
     ("study", "b.obj", ("b.obj", "--grain", "along", "--strokes", OUT)),

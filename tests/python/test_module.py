@@ -367,6 +367,26 @@ class Arrays(ModuleTest):
         with self.assertRaisesRegex(ValueError, "did you mean 'sdf_resolution'"):
             juliavdb.fractal(points, triangles, sdf_resolutoin=20)
 
+    def test_points_at_rest_are_an_array(self):
+        """A torus that is turned and moved has the fractal of the torus at rest."""
+        points, triangles = arrays(self.mesh)
+        turned = points[:, [1, 2, 0]] + np.array([3, 0, 1])
+        moved = juliavdb.fractal(turned, triangles, rest=points, **SMALL)
+        still = juliavdb.fractal(points, triangles, **SMALL)
+        at_rest = np.sort((moved.vertices - np.array([3, 0, 1]))[:, 2])
+        self.assertEqual(moved.info["recipe"]["rest"], "memory")
+        self.assertLess(abs(len(moved.vertices) - len(still.vertices)), 0.1 * len(still.vertices))
+        self.assertLess(np.abs(np.quantile(at_rest, [0.1, 0.5, 0.9]) - np.quantile(still.vertices[:, 0], [0.1, 0.5, 0.9])).max(), 0.03)
+        field = juliavdb.Field(turned, triangles, rest=points, **SMALL)
+        places = still.vertices[:200] * 0.9
+        expected = juliavdb.Field(points, triangles, **SMALL)(places) < 0
+        found = field(places[:, [1, 2, 0]] + np.array([3, 0, 1])) < 0
+        self.assertGreater((expected == found).mean(), 0.98)
+        with self.assertRaisesRegex(ValueError, "both as arrays"):
+            juliavdb.fractal(self.torus, rest=points, **SMALL)
+        with self.assertRaisesRegex(ValueError, "uses vertex"):
+            juliavdb.fractal(turned, triangles, rest=points[:-1], **SMALL)
+
     def test_points_need_no_faces(self):
         points, triangles = arrays(self.mesh)
         alone = juliavdb.fractal(points, points_radius=0.3, **SMALL)
