@@ -8,6 +8,7 @@ import struct
 import unittest
 
 import harness
+import test_animation
 from harness import BAD_DATA, NO_INPUT, USAGE
 
 LOW = harness.TextureTest.LOW
@@ -89,6 +90,18 @@ class Motion(harness.TextureTest):
         self.write("r.obj", harness.obj(([tuple(as_float(c) for c in p) for p in self.rest[0]], self.rest[1])))
         self.assertEqual(len(self.points_of("t.ply", "--rest-attribute", "rest")), len(self.points("--rest", "r.obj")))
         self.assertLess(abs(len(expected) - len(self.points("--rest", "r.obj"))), 0.01 * len(expected))
+
+    def test_a_frame_of_its_own_animation_is_at_rest(self):
+        self.write("walk.gltf", test_animation.walk().text())
+        for name, frame in (("home.obj", 6), ("pose.obj", 18)):
+            self.write(name, test_animation.obj_text(*test_animation.shown(frame)))
+        size = ("--resolution", 40, "--sdf-resolution", 100)
+        self.ok("fractal", "walk.gltf", "--target-frame", 18, "--rest-frame", 6, *size, "--mesh", "a.ply")
+        self.ok("fractal", "pose.obj", "--rest", "home.obj", *size, "--mesh", "b.ply")
+        a, b = ({tuple(round(c, 3) for c in p) for p in harness.read_ply(self.bytes(n)).points} for n in ("a.ply", "b.ply"))
+        self.assertGreater(len(a & b), 0.9 * len(a))
+        self.ok("fractal", "walk.gltf", "--frames", "18,19", "--rest-frame", 6, *size, "--mesh", "s.####.ply")
+        self.assertEqual(harness.read_ply(self.bytes("s.0018.ply")).points, harness.read_ply(self.bytes("a.ply")).points)
 
     def test_files_record_what_was_at_rest(self):
         self.ok("fractal", "t.obj", "--rest", "r.obj", *LOW, "-o", "a.vdb")

@@ -14,6 +14,8 @@ TEST(FrameName, FillsInEveryNotation) {
   EXPECT_EQ(expandFrame("a.$F4.vdb", 1), "a.0001.vdb");
   EXPECT_EQ(expandFrame("a.####.vdb", 1), "a.0001.vdb");
   EXPECT_EQ(expandFrame("a.%04d.vdb", 1), "a.0001.vdb");
+  EXPECT_EQ(expandFrame("a.<frame>.vdb", 1), "a.0001.vdb");
+  EXPECT_EQ(expandFrame("a.<frame>.vdb", -5), "a.-0005.vdb");
   EXPECT_EQ(expandFrame("a.$F.vdb", 17), "a.17.vdb");
   EXPECT_EQ(expandFrame("a.%d.vdb", 17), "a.17.vdb");
   EXPECT_EQ(expandFrame("a#.vdb", 17), "a17.vdb");
@@ -70,8 +72,8 @@ TEST(FrameName, RefusesWhatIsNotClear) {
   for (const char* name : {"a.$F4.vdb", "a.####.vdb", "a.%04d.vdb", "a.$F.vdb", "a#.vdb"}) {
     EXPECT_THROW(expandFrame(name, std::nullopt), std::invalid_argument) << name;
   }
-  for (const char* name : {"$F4.####.vdb", "##.##.vdb", "%04d$F", "$F4/$F4.vdb", "a.%4d.vdb", "$F17", "%017d",
-                           "#################", "$F99999999999999999999999", "a/", "", ".", "a/.."}) {
+  for (const char* name : {"$F4.####.vdb", "##.##.vdb", "<frame>.##.vdb", "%04d$F", "$F4/$F4.vdb", "a.%4d.vdb", "$F17",
+                           "%017d", "#################", "$F99999999999999999999999", "a/", "", ".", "a/.."}) {
     EXPECT_THROW(expandFrame(name, 1), std::invalid_argument) << name;
   }
 }

@@ -72,6 +72,8 @@ std::optional<Pattern> patternAt(std::string_view path, std::size_t begin, bool 
     }
     return Pattern{begin, size, widthOf(digits, pattern), true};
   }
+  if (constexpr std::string_view kWord = "<frame>"; rest.starts_with(kWord))
+    return Pattern{begin, kWord.size(), kDefaultWidth};
   if (rest.starts_with('#') && inFileName) {
     const std::size_t size = std::min(rest.find_first_not_of('#'), rest.size());
     return Pattern{begin, size, requireWidth(size, rest.substr(0, size))};
