@@ -29,6 +29,9 @@ class SharedInput final : public TargetInput {
   Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const override {
     return mInput->band(distances, widths, monitor);
   }
+  Target bandOf(double voxel, const BandWidths& widths, Monitor& monitor) const override {
+    return mInput->bandOf(voxel, widths, monitor);
+  }
   CoarseDistances coarseDistances(Monitor& monitor) const override { return mInput->coarseDistances(monitor); }
   std::shared_ptr<const Mesh> solid() const override { return mInput->solid(); }
   std::shared_ptr<const Mesh> mesh() const override { return mInput->mesh(); }

@@ -83,6 +83,9 @@ class KeptTarget final : public TargetInput {
   Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const override {
     return mInput->band(distances, widths, monitor);
   }
+  Target bandOf(double voxel, const BandWidths& widths, Monitor& monitor) const override {
+    return mInput->bandOf(voxel, widths, monitor);
+  }
 
   CoarseDistances coarseDistances(Monitor& monitor) const override {
     const fs::path path = pathOf("survey");

@@ -144,19 +144,28 @@ struct PoseSpace {
 Vec3d vectorOf(const julia::Point& x) { return {x[0], x[1], x[2]}; }
 julia::Point pointOf(const Vec3d& x) { return {x[0], x[1], x[2]}; }
 
+/// An upper bound of the norm of a matrix M, exact for similarities: the norm of M^T M is at most its largest sum over
+/// a row.
+double normBound(const Mat3d& m) {
+  const Mat3d squares = m.transpose() * m;
+  double most = 0;
+  for (int row = 0; row < 3; ++row)
+    most = std::max(most, std::abs(squares(row, 0)) + std::abs(squares(row, 1)) + std::abs(squares(row, 2)));
+  return std::sqrt(most);
+}
+
 class PoseDeformation final : public julia::Deformation {
  public:
   using Field = std::shared_ptr<const julia::ScalarField<double>>;
 
   PoseDeformation(const PoseSpace& pose, const FractalSpace& space, CellTable cells, std::array<Field, 3> beyond,
                   std::shared_ptr<const SurfaceMotion> motion)
-      : mPose(pose), mSpace(space), mCells(std::move(cells)), mBeyond(std::move(beyond)), mMotion(std::move(motion)) {
-    // The norm of a matrix M is the root of that of M^T M, which is at most its largest sum over a row.
-    const Mat3d squares = mPose.toIndex.matrix.transpose() * mPose.toIndex.matrix;
-    for (int row = 0; row < 3; ++row)
-      mIndexStretch = std::max(
-          mIndexStretch, std::sqrt(std::abs(squares(row, 0)) + std::abs(squares(row, 1)) + std::abs(squares(row, 2))));
-  }
+      : mPose(pose),
+        mSpace(space),
+        mCells(std::move(cells)),
+        mBeyond(std::move(beyond)),
+        mMotion(std::move(motion)),
+        mIndexStretch(normBound(mPose.toIndex.matrix)) {}
 
   void carry(std::span<const julia::Point> points, std::span<julia::Point> carried,
              std::span<Decision> decisions) const override {
@@ -228,7 +237,7 @@ class PoseDeformation final : public julia::Deformation {
   CellTable mCells;
   std::array<Field, 3> mBeyond;  ///< what rho adds to the overall map, fractal space
   std::shared_ptr<const SurfaceMotion> mMotion;
-  double mIndexStretch = 0;
+  double mIndexStretch;
 };
 
 /// rho at a node, in units of fractal space.
@@ -304,6 +313,203 @@ std::vector<const NodeImage*> nodesAround(const Coord& origin,
   return nodes;
 }
 
+/// What is known of a cell whose corners all have images.
+struct CellImage {
+  bool jumps = false;
+  double slope = 0;  ///< a bound of that of rho
+  Vec3d centre;      ///< the image of its centre, less that by the overall map
+};
+
+/// @param step  the side of the cell, fractal space
+CellImage cellImage(const std::array<const NodeImage*, kCorners>& corners, const Mat3d& overall, double step) {
+  constexpr double kJump = 0.25;  // nodes by which rho may differ from what its gradients say
+  constexpr double kUp = 1 + 1e-5;
+  CellImage image{.centre = Vec3d(0)};
+  // What rho does along each axis from a node to the next one: the mean, and the largest difference from it.
+  Mat3d mean = overall;
+  double apart = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int bit = 4 >> axis;
+    const auto tolerance =
+        static_cast<float>(kJump * kJump * std::max(1., overall.col(axis).lengthSqr()) * step * step);
+    std::array<Vec3s, 4> steps;
+    Vec3s sum(0);
+    std::size_t count = 0;
+    for (int k = 0; k < kCorners; ++k) {
+      if (k & bit) continue;
+      const NodeImage &a = *corners[static_cast<std::size_t>(k)], &b = *corners[static_cast<std::size_t>(k | bit)];
+      const Vec3s went = b.beyond - a.beyond;
+      for (const NodeImage* node : {&a, &b})
+        image.jumps |= !((went - node->beside[static_cast<std::size_t>(axis)]).lengthSqr() <= tolerance);
+      steps[count++] = went;
+      sum += went;
+    }
+    const Vec3s middle = sum * 0.25f;
+    float most = 0;
+    for (const Vec3s& one : steps) most = std::max(most, (one - middle).lengthSqr());
+    mean.setCol(axis, mean.col(axis) + Vec3d(middle) / step);
+    apart += static_cast<double>(most) / (step * step);
+  }
+  image.slope = (normBound(mean) + std::sqrt(apart)) * kUp;
+  for (const NodeImage* node : corners) image.centre += Vec3d(node->beyond) * 0.125;
+  return image;
+}
+
+/// rho at the nodes of the pose's distances that the shell may reach, and what follows for the cells.
+class PoseLattice {
+ public:
+  PoseLattice(const ExponentGrid& exponent, const FloatGrid& phi, const SurfaceMotion& motion, const DetailReach& reach,
+              Monitor& monitor)
+      : mPhi(phi),
+        mFractal(exponent.space),
+        mVoxel(phi.voxelSize()[0]),
+        mStep(mVoxel / exponent.space.scale),
+        mSpace(exponent.space, phi.transform(), motion.overall()),
+        mLeaves(leavesOf(phi.tree())),
+        mImages(mLeaves.size()) {
+    for (const auto* leaf : mLeaves) mNodes.expand(leaf->getNodeBoundingBox());
+    constexpr double kMargin = 2;  // voxels
+    const double growth = motion.greatestGrowth();
+    carryNodes(motion, growth * reach.outside + kMargin * mVoxel, growth * reach.inside + kMargin * mVoxel, monitor);
+    for (std::size_t i = 0; i < mLeaves.size(); ++i)
+      if (mImages[i]) mNumbers.setValueOn(mLeaves[i]->origin(), static_cast<std::int32_t>(i));
+  }
+
+  const CoordBBox& nodes() const { return mNodes; }
+  const PoseSpace& space() const { return mSpace; }
+
+  /// Sets the state of each cell, and what the plan knows of it.
+  void decide(const julia::ScalarField<double>& exponent, const julia::ShellInterval& shell, CellTable& cells,
+              CellTable& decided, Monitor& monitor) const {
+    inParallel(mLeaves.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) decideLeaf(*mLeaves[i], exponent, shell, cells, decided);
+    });
+  }
+
+  /// What rho adds to the overall map, in the form in which it is read.
+  std::array<PoseDeformation::Field, 3> beyond() const {
+    std::array<PoseDeformation::Field, 3> fields;
+    for (int axis = 0; axis < 3; ++axis) {
+      const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
+      grid->setTransform(mPhi.transform().copy());
+      for (std::size_t i = 0; i < mLeaves.size(); ++i) {
+        if (!mImages[i]) continue;
+        auto* const leaf = grid->tree().touchLeaf(mLeaves[i]->origin());
+        for (unsigned offset = 0; offset < 512; ++offset)
+          if (mImages[i]->known[offset]) leaf->setValueOn(offset, mImages[i]->nodes[offset].beyond[axis]);
+      }
+      fields[static_cast<std::size_t>(axis)] =
+          makeLatticeField<double>(*grid, mNodes, mFractal, julia::Interpolation::Trilinear);
+    }
+    return fields;
+  }
+
+ private:
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+
+  Vec3d toFractal(const Vec3d& world) const { return vectorOf(mFractal.toFractal(world)); }
+
+  /// @param outside, inside  how far from the surface, world units
+  void carryNodes(const SurfaceMotion& motion, double outside, double inside, Monitor& monitor) {
+    constexpr std::size_t kMostFrames = 2'000'000;  // triangles
+    std::vector<Vec3d> points = motion.points();
+    for (Vec3d& point : points) point = mPhi.worldToIndex(point);
+    const TriangleTree tree(
+        points, motion.triangles(), {},
+        motion.triangles().size() > kMostFrames ? TriangleTree::Frames::ForEachBlock : TriangleTree::Frames::Once);
+    tbb::enumerable_thread_specific<BlockDistances> nearest([&] { return BlockDistances(tree); });
+    inParallel(mLeaves.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        mImages[i] = carriedLeaf(*mLeaves[i], motion, outside, inside, nearest.local());
+    });
+  }
+
+  /// @return nullptr if no node of the leaf is near enough
+  std::unique_ptr<LeafImages> carriedLeaf(const Leaf& leaf, const SurfaceMotion& motion, double outside, double inside,
+                                          BlockDistances& nearest) const {
+    // Distances to a solid that was mended may differ from those to its mesh.
+    constexpr float kMended = 8;
+    std::array<bool, 512> wanted;
+    float far = -1;
+    for (unsigned offset = 0; offset < 512; ++offset) {
+      const double distance = static_cast<double>(leaf.getValue(offset));
+      wanted[offset] = leaf.isValueOn(offset) && distance <= outside && -distance <= inside;
+      if (wanted[offset]) far = std::max(far, static_cast<float>(std::abs(distance) / mVoxel));
+    }
+    if (far < 0) return nullptr;
+    nearest.evaluate(leaf.origin(), far + kMended);
+    auto images = std::make_unique<LeafImages>();
+    for (unsigned offset = 0; offset < 512; ++offset) {
+      if (!wanted[offset]) continue;
+      const Vec3d world = mPhi.indexToWorld(leaf.offsetToGlobalCoord(offset));
+      const SurfaceMotion::Image image = std::isfinite(nearest.distances()[offset])
+                                             ? motion.carryBy(nearest.triangles()[offset], world)
+                                             : motion.carry(world);
+      images->known[offset] = true;
+      NodeImage& node = images->nodes[offset];
+      node.beyond = Vec3s(toFractal(image.at) - mSpace.overallMap(toFractal(world)));
+      for (int axis = 0; axis < 3; ++axis)
+        node.beside[static_cast<std::size_t>(axis)] =
+            Vec3s((image.gradient.col(axis) - mSpace.overallMap.matrix.col(axis)) * mStep);
+    }
+    return images;
+  }
+
+  void decideLeaf(const Leaf& leaf, const julia::ScalarField<double>& exponent, const julia::ShellInterval& shell,
+                  CellTable& cells, CellTable& decided) const {
+    const openvdb::tree::ValueAccessor<const openvdb::Int32Tree> numberOf(mNumbers);
+    const auto distances = mPhi.getConstAccessor();
+    const std::vector<const NodeImage*> around = nodesAround(leaf.origin(), numberOf, mImages);
+    std::vector<std::array<double, 3>> centres;
+    std::vector<double> radii;
+    std::vector<Coord> smooth;
+    for (unsigned offset = 0; offset < 512; ++offset) {
+      const Coord cell = leaf.offsetToGlobalCoord(offset);
+      std::array<const NodeImage*, kCorners> corners;
+      bool isKnown = true, isInside = false;
+      for (int k = 0; k < kCorners; ++k) {
+        const Coord node = corner(cell, k);
+        const NodeImage* const image = around[aroundIndex(node - leaf.origin())];
+        corners[static_cast<std::size_t>(k)] = image;
+        if (image) continue;
+        isKnown = false;
+        isInside |= distances.getValue(node) < 0;
+      }
+      float& state = cells.at(cell);
+      if (!isKnown) {
+        state = isInside ? kInside : kOutside;
+        continue;
+      }
+      const CellImage image = cellImage(corners, mSpace.overallMap.matrix, mStep);
+      if (image.jumps) {
+        state = kJumps;
+        decided.at(cell) = kUndecided;
+        continue;
+      }
+      state = static_cast<float>(image.slope);
+      const Vec3d middle = mPhi.indexToWorld(cell.asVec3d() + Vec3d(0.5));
+      centres.push_back(pointOf(image.centre + mSpace.overallMap(toFractal(middle))));
+      radii.push_back(image.slope * mStep * std::sqrt(0.75) * (1 + 1e-5));
+      smooth.push_back(cell);
+    }
+    std::vector<julia::ValueRange> ranges(smooth.size());
+    exponent.ranges(centres, radii, ranges);
+    for (std::size_t k = 0; k < smooth.size(); ++k)
+      decided.at(smooth[k]) = ranges[k].high <= shell.lower  ? kDecidedInside
+                              : ranges[k].low >= shell.upper ? kDecidedOutside
+                                                             : kUndecided;
+  }
+
+  const FloatGrid& mPhi;
+  FractalSpace mFractal;
+  double mVoxel, mStep;  ///< the side of a cell: world units, fractal space
+  PoseSpace mSpace;
+  std::vector<const Leaf*> mLeaves;
+  CoordBBox mNodes;
+  std::vector<std::unique_ptr<LeafImages>> mImages;
+  openvdb::Int32Tree mNumbers{-1};  ///< of the leaves with images, at their origins
+};
+
 /// Values of the nodes of the plan's grid.
 constexpr float kPlanned = 2, kPlanEnd = 1;
 
@@ -364,171 +570,17 @@ DetailReach reachAtRest(const ExponentGrid& exponent, const Target& atRest) {
 PosedShell posedShell(const ExponentGrid& exponent, const DetailReach& reach, const Target& pose,
                       std::shared_ptr<SurfaceMotion> motion, Monitor& monitor) {
   hideCovered(*motion, pose);
-  const FractalSpace& space = exponent.space;
-  const FloatGrid& phi = *pose.phi;
-  const double voxel = phi.voxelSize()[0], step = voxel / space.scale;
-  const PoseSpace place(space, phi.transform(), motion->overall());
-  const Mat3d& overall = place.overallMap.matrix;
-  const std::vector<const openvdb::FloatTree::LeafNodeType*> leaves = leavesOf(phi.tree());
-  CoordBBox nodes;
-  for (const auto* leaf : leaves) nodes.expand(leaf->getNodeBoundingBox());
-
-  // rho at the nodes that the shell may reach.
-  constexpr double kMargin = 2;  // voxels
-  const double growth = motion->greatestGrowth();
-  const double outside = growth * reach.outside + kMargin * voxel, inside = growth * reach.inside + kMargin * voxel;
-  std::vector<std::unique_ptr<LeafImages>> images(leaves.size());
-  const auto toFractal = [&](const Vec3d& world) { return vectorOf(space.toFractal(world)); };
-  std::vector<Vec3d> points = motion->points();
-  for (Vec3d& point : points) point = phi.worldToIndex(point);
-  const TriangleTree tree(points, motion->triangles(), {}, TriangleTree::Frames::Once);
-  tbb::enumerable_thread_specific<BlockDistances> nearest([&] { return BlockDistances(tree); });
-  inParallel(leaves.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
-    BlockDistances& block = nearest.local();
-    std::array<bool, 512> wanted;
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto& leaf = *leaves[i];
-      float far = -1;
-      for (unsigned offset = 0; offset < 512; ++offset) {
-        const double distance = static_cast<double>(leaf.getValue(offset));
-        wanted[offset] = leaf.isValueOn(offset) && distance <= outside && -distance <= inside;
-        if (wanted[offset]) far = std::max(far, static_cast<float>(std::abs(distance) / voxel));
-      }
-      if (far < 0) continue;
-      // Distances to a solid that was mended may differ from those to its mesh.
-      constexpr float kMended = 8;
-      block.evaluate(leaf.origin(), far + kMended);
-      images[i] = std::make_unique<LeafImages>();
-      for (unsigned offset = 0; offset < 512; ++offset) {
-        if (!wanted[offset]) continue;
-        const Vec3d world = phi.indexToWorld(leaf.offsetToGlobalCoord(offset));
-        const SurfaceMotion::Image image = std::isfinite(block.distances()[offset])
-                                               ? motion->carryBy(block.triangles()[offset], world)
-                                               : motion->carry(world);
-        images[i]->known[offset] = true;
-        NodeImage& node = images[i]->nodes[offset];
-        node.beyond = Vec3s(toFractal(image.at) - place.overallMap(toFractal(world)));
-        for (int axis = 0; axis < 3; ++axis)
-          node.beside[static_cast<std::size_t>(axis)] = Vec3s((image.gradient.col(axis) - overall.col(axis)) * step);
-      }
-    }
-  });
-
-  // Finds a node's leaf by the position of the leaf.
-  openvdb::Int32Tree numbers(-1);
-  for (std::size_t i = 0; i < leaves.size(); ++i)
-    if (images[i]) numbers.setValueOn(leaves[i]->origin(), static_cast<std::int32_t>(i));
-  CellTable cells(nodes, kOutside);
-  fillInside(cells, phi);
-  CellTable decided(nodes, kFar);
-  const auto field = makeExponentField<double>(exponent);
-  inParallel(leaves.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
-    const openvdb::tree::ValueAccessor<const openvdb::Int32Tree> numberOf(numbers);
-    const auto distances = phi.getConstAccessor();
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::vector<const NodeImage*> around = nodesAround(leaves[i]->origin(), numberOf, images);
-      std::vector<std::array<double, 3>> centres;
-      std::vector<double> radii;
-      std::vector<unsigned> which;
-      for (unsigned offset = 0; offset < 512; ++offset) {
-        const Coord cell = leaves[i]->offsetToGlobalCoord(offset);
-        std::array<const NodeImage*, kCorners> corners;
-        int known = 0;
-        for (int k = 0; k < kCorners; ++k) {
-          const NodeImage* const node = around[aroundIndex(corner(cell, k) - leaves[i]->origin())];
-          corners[static_cast<std::size_t>(k)] = node;
-          known += node != nullptr;
-        }
-        float& state = cells.at(cell);
-        if (known < kCorners) {
-          bool isInside = false;
-          for (int k = 0; k < kCorners; ++k)
-            if (!corners[static_cast<std::size_t>(k)]) isInside |= distances.getValue(corner(cell, k)) < 0;
-          state = isInside ? kInside : kOutside;
-          continue;
-        }
-        // Along each axis: what rho does from a node to the next one, per node.
-        constexpr double kJump = 0.25;  // nodes by which rho may differ from what its gradients say
-        Mat3d mean = overall;
-        double apart = 0;
-        bool jumps = false;
-        for (int axis = 0; axis < 3; ++axis) {
-          const int bit = 4 >> axis;
-          const auto tolerance =
-              static_cast<float>(kJump * kJump * std::max(1., overall.col(axis).lengthSqr()) * step * step);
-          std::array<Vec3s, 4> steps;
-          Vec3s sum(0);
-          std::size_t count = 0;
-          for (int k = 0; k < kCorners; ++k) {
-            if (k & bit) continue;
-            const NodeImage &a = *corners[static_cast<std::size_t>(k)],
-                            &b = *corners[static_cast<std::size_t>(k | bit)];
-            const Vec3s went = b.beyond - a.beyond;
-            for (const NodeImage* node : {&a, &b})
-              jumps |= !((went - node->beside[static_cast<std::size_t>(axis)]).lengthSqr() <= tolerance);
-            steps[count++] = went;
-            sum += went;
-          }
-          const Vec3s middle = sum * 0.25f;
-          float most = 0;
-          for (const Vec3s& one : steps) most = std::max(most, (one - middle).lengthSqr());
-          mean.setCol(axis, mean.col(axis) + Vec3d(middle) / step);
-          apart += static_cast<double>(most) / (step * step);
-        }
-        if (jumps) {
-          state = kJumps;
-          decided.at(cell) = kUndecided;
-          continue;
-        }
-        const Mat3d squares = mean.transpose() * mean;
-        double norm = 0;
-        for (int row = 0; row < 3; ++row)
-          norm = std::max(norm, std::abs(squares(row, 0)) + std::abs(squares(row, 1)) + std::abs(squares(row, 2)));
-        constexpr double kUp = 1 + 1e-5;
-        const double slope = (std::sqrt(norm) + std::sqrt(apart)) * kUp;
-        state = static_cast<float>(slope);
-        Vec3d centre(0);
-        for (const NodeImage* node : corners) centre += Vec3d(node->beyond) * 0.125;
-        centre += place.overallMap(toFractal(phi.indexToWorld(cell.asVec3d() + Vec3d(0.5))));
-        centres.push_back(pointOf(centre));
-        radii.push_back(slope * step * std::sqrt(0.75) * kUp);
-        which.push_back(offset);
-      }
-      std::vector<julia::ValueRange> ranges(which.size());
-      field->ranges(centres, radii, ranges);
-      for (std::size_t k = 0; k < which.size(); ++k) {
-        const bool isIn = ranges[k].high <= exponent.shell.lower, isOut = ranges[k].low >= exponent.shell.upper;
-        decided.at(leaves[i]->offsetToGlobalCoord(which[k])) = isIn    ? kDecidedInside
-                                                               : isOut ? kDecidedOutside
-                                                                       : kUndecided;
-      }
-    }
-  });
+  const PoseLattice lattice(exponent, *pose.phi, *motion, reach, monitor);
+  CellTable cells(lattice.nodes(), kOutside), decided(lattice.nodes(), kFar);
+  fillInside(cells, *pose.phi);
+  lattice.decide(*makeExponentField<double>(exponent), exponent.shell, cells, decided, monitor);
   cells.finish();
-
-  PosedShell result;
-  const FloatGrid::Ptr plan = plannedGrid(phi, decided);
-  result.jumps = jumpsIn(cells, decided);
-  result.exponent = exponent;
-  result.exponent.grid = plan;
+  PosedShell result{.exponent = exponent, .deformation = {}, .jumps = jumpsIn(cells, decided)};
+  result.exponent.grid = plannedGrid(*pose.phi, decided);
   result.exponent.shellOfNodes = {-kPlanEnd, kPlanEnd};
   result.exponent.denseBox.reset();
-
-  std::array<PoseDeformation::Field, 3> beyond;
-  for (int axis = 0; axis < 3; ++axis) {
-    const FloatGrid::Ptr grid = FloatGrid::create(0.0f);
-    grid->setTransform(phi.transform().copy());
-    for (std::size_t i = 0; i < leaves.size(); ++i) {
-      if (!images[i]) continue;
-      auto* const leaf = grid->tree().touchLeaf(leaves[i]->origin());
-      for (unsigned offset = 0; offset < 512; ++offset)
-        if (images[i]->known[offset]) leaf->setValueOn(offset, images[i]->nodes[offset].beyond[axis]);
-    }
-    beyond[static_cast<std::size_t>(axis)] =
-        makeLatticeField<double>(*grid, nodes, space, julia::Interpolation::Trilinear);
-  }
-  result.deformation =
-      std::make_shared<const PoseDeformation>(place, space, std::move(cells), std::move(beyond), std::move(motion));
+  result.deformation = std::make_shared<const PoseDeformation>(lattice.space(), exponent.space, std::move(cells),
+                                                               lattice.beyond(), std::move(motion));
   return result;
 }
 

@@ -61,6 +61,13 @@ CornerPairs cornersOf(const Mesh& from, const Mesh& to, const std::string& other
   return pairs;
 }
 
+double areaOf(std::span<const Vec3d> corners) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+    sum += (corners[i + 1] - corners[i]).cross(corners[i + 2] - corners[i]).length();
+  return sum / 2;
+}
+
 double volumeOf(std::span<const Vec3d> corners, const Vec3d& middle) {
   double sum = 0;
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
@@ -210,7 +217,7 @@ struct SurfaceMotion::Parts {
   std::vector<Vec3I> triangles;
   std::vector<Mat3d> turns;  ///< what T does after the overall map, at each vertex
   std::optional<SurfaceSearch> search;
-  double growth = 1;
+  double size = 1, growth = 1;
 };
 
 SurfaceMotion::~SurfaceMotion() = default;
@@ -279,6 +286,8 @@ SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth
   }
   for (std::size_t i = 0; i < parts.turns.size(); ++i)
     parts.turns[i] = weights[i] > 0 ? parts.turns[i] * (1 / weights[i]) : Mat3d::identity();
+  const double areas[] = {areaOf(pairs.from), areaOf(pairs.to)};
+  if (areas[1] > 0) parts.size = std::sqrt(areas[0] / areas[1]);
   parts.growth =
       usualMost(std::move(growths)) * (determinant > 0 ? parts.toUnits.scale / elementary::cbrt(determinant) : 1);
   parts.search.emplace(parts.from, parts.triangles);
@@ -286,6 +295,7 @@ SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth
 
 const AffineMap& SurfaceMotion::overall() const { return mParts->overall; }
 double SurfaceMotion::greatestGrowth() const { return mParts->growth; }
+double SurfaceMotion::size() const { return mParts->size; }
 const std::vector<Vec3I>& SurfaceMotion::triangles() const { return mParts->triangles; }
 
 std::vector<Vec3d> SurfaceMotion::points() const {

@@ -24,11 +24,7 @@ const Mesh& requireMesh(const std::shared_ptr<const Mesh>& mesh, const char* whi
 
 TargetPose openPose(const FractalOptions& options, const TargetInput& atRest, const TargetOpener& open,
                     Monitor& monitor) {
-  TargetOptions poseOptions = *options.target;
-  // The lattice of the pose is that of a survey: it carries the way back, and not the detail.
-  if (poseOptions.mend.offset() == 0)
-    poseOptions.sdfVoxels = VoxelChoice{.resolution = longestSide(atRest.box()) / surveyVoxel(atRest.box())};
-  TargetPose pose{.input = open(poseOptions, monitor), .motion = {}};
+  TargetPose pose{.input = open(*options.target, monitor), .motion = {}};
   pose.motion = std::make_shared<SurfaceMotion>(requireMesh(pose.input->mesh(), "in its pose"),
                                                 requireMesh(atRest.mesh(), "at rest"), options.rest->depth, "at rest");
   return pose;
@@ -41,7 +37,8 @@ void poseScene(Scene& scene, const FractalOptions& options, const TargetPose& po
   const DetailReach reach = reachAtRest(rest.exponent, rest.distances);
   const double growth = pose.motion->greatestGrowth();
   const BandWidths widths{.exterior = growth * reach.outside, .interior = growth * reach.inside};
-  const Target distances = pose.input->band(pose.input->distances(widths, monitor), widths, monitor);
+  // The lattice of the pose is that of a survey: it carries the way back, and not the detail.
+  const Target distances = pose.input->bandOf(surveyVoxel(rest.box) * pose.motion->size(), widths, monitor);
   monitor.begin(PhaseKind::Motion, 0);
   PosedShell posed = posedShell(rest.exponent, reach, distances, pose.motion, monitor);
 

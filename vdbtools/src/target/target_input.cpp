@@ -100,6 +100,11 @@ class MeshInput final : public TargetInput {
     return target;
   }
 
+  Target bandOf(double voxel, const BandWidths& widths, Monitor& monitor) const override {
+    if (mMend.offset() > 0) voxel = std::min(voxel, voxels(monitor).size);
+    return makeTarget(sdfOf(bandAt(voxel, widths), monitor).grid, mSource.box);
+  }
+
   CoarseDistances coarseDistances(Monitor& monitor) const override {
     const Voxels known = voxels(monitor);
     if (known.survey.phi) return known.survey;
@@ -132,7 +137,10 @@ class MeshInput final : public TargetInput {
   }
 
   MeshToSdfOptions sdfBandOf(const BandWidths& widths, Monitor& monitor) const {
-    const double interior = widths.wholeInside ? kWholeInside : widths.interior, voxel = voxels(monitor).size;
+    return bandAt(voxels(monitor).size, widths);
+  }
+  static MeshToSdfOptions bandAt(double voxel, const BandWidths& widths) {
+    const double interior = widths.wholeInside ? kWholeInside : widths.interior;
     return sdfBand(voxel, widths.exterior / voxel + kExponentMargin, interior / voxel + kExponentMargin);
   }
 
@@ -185,6 +193,10 @@ class VdbInput final : public TargetInput {
     const std::lock_guard lock(mMutex);
     const Target near = grown(mNear, distances, widths.exterior, widths.interior, monitor);
     return widths.wholeInside ? grown(mWhole, near, widths.exterior, kWholeInside, monitor) : near;
+  }
+
+  Target bandOf(double, const BandWidths&, Monitor&) const override {
+    throw std::logic_error("the distances of a VDB have its own voxels");
   }
 
   CoarseDistances coarseDistances(Monitor& monitor) const override {

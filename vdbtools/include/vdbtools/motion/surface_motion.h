@@ -69,6 +69,9 @@ class SurfaceMotion {
   /// The same if the triangle to which x is nearest is known; without a hint.
   Image carryBy(std::uint32_t triangle, const openvdb::Vec3d& x) const;
 
+  /// How large the first surface is, as a multiple of the other one: the root of their areas' ratio.
+  double size() const;
+
   /// How much longer the distances beside the surface may be than those beside the other one: a factor that is exceeded
   /// on half a per cent of the surface.
   double greatestGrowth() const;
