@@ -138,7 +138,7 @@ TEST_F(PosedScene, ProofsHoldAtEveryPointOfTheirBalls) {
     }
   }
   EXPECT_GT(decided[1], 50);
-  EXPECT_GT(decided[2], 2000);
+  EXPECT_GT(decided[2], 1000);
 }
 
 TEST_F(PosedScene, SkippedIsExhaustiveWhereTheSurfaceFoldsAndCoversItself) {
