@@ -31,6 +31,7 @@ using openvdb::Vec3I;
 /// The corners of both surfaces, three for each triangle.
 struct CornerPairs {
   std::vector<Vec3d> from, to;
+  std::vector<std::uint32_t> number;  ///< the same for corners at one point of a file
 };
 
 /// @throw DataError  the faces differ
@@ -56,6 +57,7 @@ CornerPairs cornersOf(const Mesh& from, const Mesh& to, const std::string& other
     for (int k = 0; k < 3; ++k) {
       pairs.from.push_back(from.points[a[k]]);
       pairs.to.push_back(to.points[b[k]]);
+      pairs.number.push_back(numbered ? a[k] : static_cast<std::uint32_t>(pairs.number.size()));
     }
   }
   return pairs;
@@ -246,7 +248,14 @@ SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth
   std::map<std::array<double, 6>, std::uint32_t> vertices;
   std::vector<Vec3d> moved;  // as the overall map puts them, in the other surface's units
   parts.triangles.resize(pairs.from.size() / 3);
+  constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> known(1 + *std::max_element(pairs.number.begin(), pairs.number.end()), kNone);
   for (std::size_t i = 0; i < pairs.from.size(); ++i) {
+    std::uint32_t& vertex = known[pairs.number[i]];
+    if (vertex != kNone) {
+      parts.triangles[i / 3][static_cast<int>(i % 3)] = vertex;
+      continue;
+    }
     const Vec3d &f = pairs.from[i], &t = pairs.to[i];
     const auto [found, isNew] =
         vertices.try_emplace({f[0], f[1], f[2], t[0], t[1], t[2]}, static_cast<std::uint32_t>(parts.from.size()));
@@ -255,7 +264,7 @@ SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth
       parts.to.push_back(parts.toUnits.of(t));
       moved.push_back(parts.toUnits.of(parts.overall(f)));
     }
-    parts.triangles[i / 3][static_cast<int>(i % 3)] = found->second;
+    parts.triangles[i / 3][static_cast<int>(i % 3)] = vertex = found->second;
   }
 
   // The gradient of each triangle after the overall map: its edges and its normal go to those of the other surface.
