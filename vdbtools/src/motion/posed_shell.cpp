@@ -322,7 +322,7 @@ struct CellImage {
 
 /// @param step  the side of the cell, fractal space
 CellImage cellImage(const std::array<const NodeImage*, kCorners>& corners, const Mat3d& overall, double step) {
-  constexpr double kJump = 0.25;  // nodes by which rho may differ from what its gradients say
+  constexpr double kJump = 2;  // edges by which rho may differ from what its gradients say
   constexpr double kUp = 1 + 1e-5;
   CellImage image{.centre = Vec3d(0)};
   // What rho does along each axis from a node to the next one: the mean, and the largest difference from it.
