@@ -32,6 +32,8 @@ RECIPE = {
     "--outward": ("c.ply", ("--outward", "paint:red@c.ply:0:1")),
     "--alpha": ("s.vdb", ("--alpha", "s.vdb:phi")),
     "--colour": ("p.png", ("--colour", "iterations:p.png")),
+    "--target-before": ("in.0001.obj", ("--attributes", "velocity", "--target-before", "in.0001.obj")),
+    "--target-after": ("in.0002.obj", ("--attributes", "velocity", "--target-after", "in.0002.obj")),
 }
 
 # (command, the victim, the words). Each option that names a file stands in some case of its command, once with OUT

@@ -168,6 +168,12 @@ PointAttributes::PointAttributes(const Scene& scene, const Vec3d& origin)
       case PointAttribute::Depth: addControl(distanceControl(scene.target.value().distances)); break;
       case PointAttribute::Tau: addControl(clampedControl(scene.target->thickness), true); break;
       case PointAttribute::Mask: addControl(scene.shellOptions().mask, true); break;
+      case PointAttribute::Velocity:
+        if (!scene.velocity) throw std::logic_error("velocities are wanted of a scene that has none");
+        add([&velocity = *scene.velocity](const Batch& batch, const Cells& cells) {
+          putVectors(velocity.at(batch.world), cells);
+        });
+        break;
     }
   if (options.transferred.empty()) return;
   if (!scene.target->mesh) throw std::logic_error("attributes are transferred from a mesh that is not there");
@@ -271,6 +277,7 @@ std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attrib
       part.vectors.emplace(surface.tree());
       grid = Vec3SGrid::create(part.vectors->tree);
       if (column.kind == ColumnKind::LinearRgb) grid->setVectorType(openvdb::VEC_INVARIANT);
+      if (column.kind == ColumnKind::WorldVector) grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
     }
     grid->setTransform(surface.transform().copy());
     grid->setName(column.name);

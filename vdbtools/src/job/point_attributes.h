@@ -70,7 +70,7 @@ class AttributedSink final : public MeshSink {
 };
 
 /// The attributes as grids of the columns' names over the active voxels of @a surface: colours (of the vector type
-/// invariant) and vectors as Vec3SGrid, numbers as FloatGrid. Texture coordinates have no grid.
+/// invariant) and vectors as Vec3SGrid (world vectors of the type contravariant relative), numbers as FloatGrid. Texture coordinates have no grid.
 /// @throw Interrupted
 std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attributes, const openvdb::FloatGrid& surface,
                                                    Monitor& monitor);

@@ -34,10 +34,10 @@ struct CornerPairs {
 };
 
 /// @throw DataError  the faces differ
-CornerPairs cornersOf(const Mesh& from, const Mesh& to) {
+CornerPairs cornersOf(const Mesh& from, const Mesh& to, const std::string& name) {
   if (from.triangles.size() != to.triangles.size())
-    throw DataError("the faces differ: one of the meshes has " + std::to_string(from.triangles.size()) +
-                    " triangles, and the other one, at rest, has " + std::to_string(to.triangles.size()));
+    throw DataError("the faces differ: the target has " + std::to_string(from.triangles.size()) + " triangles, and " +
+                    name + " has " + std::to_string(to.triangles.size()));
   // Polygons of moved points may be cut into other triangles; their corners are found by their numbers. Files without
   // numbers, such as STL, have the same order of triangles only.
   const bool numbered = from.points.size() == to.points.size();
@@ -50,7 +50,7 @@ CornerPairs cornersOf(const Mesh& from, const Mesh& to) {
       for (int k = 0; k < 3; ++k)
         for (int j = 0; j < 3; ++j) shared += a[k] == other[j];
       if (shared < 1)
-        throw DataError("the faces differ: triangle " + std::to_string(i + 1) + " of the mesh at rest has other corners");
+        throw DataError("the faces differ: triangle " + std::to_string(i + 1) + " of " + name + " has other corners");
     }
     for (int k = 0; k < 3; ++k) {
       pairs.from.push_back(from.points[a[k]]);
@@ -128,9 +128,9 @@ Mat3d nearestRotation(const Mat3d& m) {
 
 /// The affine map that fits best. It shears only as far as the surface agrees: a surface that bends is turned, moved
 /// and scaled.
-AffineMap overallOf(const CornerPairs& pairs) {
+AffineMap overallOf(const CornerPairs& pairs, const std::string& name) {
   const Moments m = momentsOf(pairs);
-  if (!(m.spread > 0)) throw DataError("the mesh at rest has no extent; check the file");
+  if (!(m.spread > 0)) throw DataError(name + " has no extent; check the file");
   const Mat3d turn = nearestRotation(m.across);
   const double scale = trace(turn.transpose() * m.across) / trace(m.own);
   AffineMap map{turn * (scale > 0 ? scale : std::sqrt(m.spread / trace(m.own))), {}};
@@ -150,7 +150,7 @@ AffineMap overallOf(const CornerPairs& pairs) {
 }
 
 /// @throw DataError  one of two solids is turned inside out
-void requireOneSide(const CornerPairs& pairs, const AffineMap& overall) {
+void requireOneSide(const CornerPairs& pairs, const AffineMap& overall, const std::string& name) {
   const double from = volumeOf(pairs.from, pairs.from.front()) * overall.matrix.det();
   const double to = volumeOf(pairs.to, pairs.to.front());
   // A surface that is no solid has a volume by chance.
@@ -159,9 +159,8 @@ void requireOneSide(const CornerPairs& pairs, const AffineMap& overall) {
   constexpr double kSolid = 1e-3;
   const double least = kSolid * box.extents().product();
   if (std::abs(to) > least && std::abs(from) > least && (from < 0) != (to < 0))
-    throw DataError("the mesh at rest is turned inside out: its volume is " + shortText(to) + ", and " +
-                    shortText(volumeOf(pairs.from, pairs.from.front())) +
-                    " in the pose; reverse the faces of one of them");
+    throw DataError(name + " is turned inside out: its volume is " + shortText(to) + ", and that of the target is " +
+                    shortText(volumeOf(pairs.from, pairs.from.front())) + "; reverse the faces of one of them");
 }
 
 /// The largest of the values, but for a part of their weights.
@@ -198,8 +197,8 @@ struct SearchUnits {
 };
 
 struct SurfaceMotion::Parts {
-  explicit Parts(const CornerPairs& pairs)
-      : overall(overallOf(pairs)), fromUnits(pairs.from), toUnits(pairs.to), linear(overall.matrix * toUnits.scale) {}
+  Parts(const CornerPairs& pairs, const std::string& name)
+      : overall(overallOf(pairs, name)), fromUnits(pairs.from), toUnits(pairs.to), linear(overall.matrix * toUnits.scale) {}
 
   Image image(const Vec3I& t, const Vec3d& w, const Vec3d& at) const;
 
@@ -215,11 +214,11 @@ struct SurfaceMotion::Parts {
 
 SurfaceMotion::~SurfaceMotion() = default;
 
-SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth) {
-  const CornerPairs pairs = cornersOf(from, to);
-  mParts = std::make_unique<Parts>(pairs);
+SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& name) {
+  const CornerPairs pairs = cornersOf(from, to, name);
+  mParts = std::make_unique<Parts>(pairs, name);
   Parts& parts = *mParts;
-  requireOneSide(pairs, parts.overall);
+  requireOneSide(pairs, parts.overall, name);
 
   // Vertices are the same if they lie together in both surfaces.
   std::map<std::array<double, 6>, std::uint32_t> vertices;

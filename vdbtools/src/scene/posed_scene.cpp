@@ -45,6 +45,7 @@ void poseScene(Scene& scene, const FractalOptions& options, const TargetOpener& 
   target.distances = distances;
   target.volume = insideVolume(*distances.phi);
   if (target.mesh) target.mesh = pose->mesh();
+  scene.velocity = velocityOf(options, pose->mesh());
   scene.field.deformation = std::move(posed.deformation);
   scene.field.evaluator = carriedAlong(std::move(scene.field.evaluator), scene.field.deformation);
 

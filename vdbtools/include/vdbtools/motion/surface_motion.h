@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace vdbtools {
@@ -40,8 +41,9 @@ struct AffineMap {
 
 class SurfaceMotion {
  public:
+  /// @param name  of the second mesh, for errors
   /// @throw DataError  the meshes do not have the same triangles, one is turned inside out, or has no area
-  SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth);
+  SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& name = "the mesh at rest");
   ~SurfaceMotion();
 
   /// The map that fits best to all of the surface. Where it is the whole truth, rho equals it, up to rounding.

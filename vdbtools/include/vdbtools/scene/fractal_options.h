@@ -7,6 +7,7 @@
 #include "vdbtools/field/lattice_options.h"
 #include "vdbtools/maps/map_registry.h"
 #include "vdbtools/motion/rest_options.h"
+#include "vdbtools/motion/velocity_options.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
@@ -39,6 +40,7 @@ struct OutputOptions {
 struct FractalOptions {
   std::optional<TargetOptions> target;
   std::optional<RestOptions> rest{};  ///< where its points are at rest; none: the target does not move
+  std::optional<VelocityOptions> velocity{};  ///< if velocities are wanted
   SpaceOptions space;
   std::shared_ptr<const MapSettings> map;
   LatticeOptions lattice;
