@@ -117,7 +117,7 @@ class Velocity(harness.CliTest):
         self.made("--target-after", "on.obj")
         self.assertEqual(test_attributes.header(self.bytes("f.ply"))[-3:],
                          [("float", "velocity_x"), ("float", "velocity_y"), ("float", "velocity_z")])
-        self.assertIn("note: f.obj holds no velocity",
+        self.assertIn("note: f.obj holds no attributes",
                       self.ok("fractal", "s.obj", *self.LOW, "--target-after", "on.obj", "--mesh", "f.obj"))
 
     def test_a_glb(self):

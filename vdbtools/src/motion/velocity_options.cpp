@@ -131,12 +131,8 @@ std::optional<VelocityOptions> parseVelocityOptions(const RecipeReader& reader,
   };
   options.before = fileOf(kTargetBefore);
   options.after = fileOf(kTargetAfter);
-  if (options.before || options.after) return options;
-  if (!target->moment)
-    reader.refuse("attributes",
-                  "without 'velocity', as nothing says how the target moves; give the mesh of a neighbouring frame as "
-                  "--target-before or --target-after, --target-frame for an animated glTF, or a sequence of inputs");
-  options.fps = 1 / momentOfFrame(reader, 1).seconds;
+  options.isAnimated = !options.before && !options.after && target->moment;
+  if (options.isAnimated) options.fps = 1 / momentOfFrame(reader, 1).seconds;
   return options;
 }
 
@@ -153,7 +149,7 @@ std::shared_ptr<const SurfaceVelocity> surfaceVelocity(const VelocityOptions& op
   };
   add(options.before, kTargetBefore, -frame);
   add(options.after, kTargetAfter, frame);
-  if (!options.before && !options.after) moments = momentsAround(target, frame);
+  if (options.isAnimated) moments = momentsAround(target, frame);
   return std::make_shared<const SurfaceVelocity>(*now, moments, depth);
 }
 

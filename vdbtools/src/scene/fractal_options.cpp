@@ -144,6 +144,10 @@ void requireTarget(const FractalOptions& options) {
   if (options.map->shell() && !options.target)
     throw std::invalid_argument(
         "there is no target, which the map needs: give a mesh, or a VDB with its signed distance");
+  if (options.velocity && !options.velocity->isKnown())
+    throw std::invalid_argument(
+        "--attributes is to have 'velocity', and nothing says how the target moves; give the mesh of a neighbouring "
+        "frame as --target-before or --target-after, --target-frame for an animated glTF, or a sequence of inputs");
 }
 
 }  // namespace vdbtools

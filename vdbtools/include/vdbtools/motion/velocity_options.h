@@ -19,9 +19,11 @@ namespace vdbtools {
 inline constexpr const char *kTargetBefore = "target-before", *kTargetAfter = "target-after", *kFps = "fps";
 
 struct VelocityOptions {
-  /// The target a frame before and a frame after. Without both, the target's moment is one of its own animation.
-  std::optional<NamedFile> before{}, after{};
-  double fps = 24;  ///< of these frames, or of the animation
+  std::optional<NamedFile> before{}, after{};  ///< the target a frame before and a frame after
+  bool isAnimated = false;                     ///< whether the target's own animation says it instead
+  double fps = 24;                             ///< of these frames, or of the animation
+
+  bool isKnown() const { return before || after || isAnimated; }
 };
 
 std::vector<OptionSpec> velocityOptionSpecs();
@@ -33,7 +35,8 @@ bool hasNeighbourFrames(const Recipe& recipe);
 /// The frames per second that a recipe has or gets by default. @throw std::invalid_argument
 double framesPerSecondOf(const Recipe& recipe);
 
-/// Returns nullopt if velocities are not wanted. @throw std::invalid_argument  there is nothing from which they follow
+/// Returns nullopt if velocities are not wanted. The recipe of a sequence may leave it to its frames from what they follow.
+/// @throw std::invalid_argument  there is nothing that could move
 std::optional<VelocityOptions> parseVelocityOptions(const RecipeReader& reader,
                                                     const std::optional<TargetOptions>& target);
 

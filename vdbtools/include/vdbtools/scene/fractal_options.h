@@ -66,7 +66,8 @@ bool dropsCrumbs(const FractalOptions& options);
 /// Whether islands are looked for, to drop some.
 bool dropsIslands(const FractalOptions& options);
 
-/// @throw std::invalid_argument  there is no target, and the map makes its fractal around one
+/// @throw std::invalid_argument  there is no target, and the map makes its fractal around one; or velocities are
+///                               wanted, and nothing says how it moves
 void requireTarget(const FractalOptions& options);
 
 }  // namespace vdbtools
