@@ -148,6 +148,19 @@ class Velocity(harness.CliTest):
             self.assertGreater(len(found), 1000)
             self.assert_near(found, FPS * numpy.array(wanted))
 
+    def test_the_grid_reaches_as_far_as_it_moves(self):
+        """At each place through which the band goes in a frame, forward and back, there is its velocity."""
+        self.write("far.obj", harness.obj(shifted(self.ball, (0, 0, 1.5))))
+        self.ok("fractal", "s.obj", *self.LOW, "--target-after", "far.obj", "-o", "f.vdb", "--grids", "surface,density")
+        grid = pyopenvdb.read(str(self.path("f.vdb")), "velocity").getConstAccessor()
+        surface = pyopenvdb.read(str(self.path("f.vdb")), "surface")
+        voxel = surface.transform.voxelSize()[0]
+        band = [item.min for item in surface.iterOnValues()][::37]
+        for x, y, z in band:
+            for share in (-1, -0.5, 0, 0.5, 1):
+                value = grid.getValue((x, y, z + round(share * 1.5 / voxel)))
+                self.assert_near(numpy.array(value), FPS * numpy.array((0, 0, 1.5)), 1e-4)
+
     def test_a_ply_with_another_axis(self):
         _, found = self.made("--target-after", "on.obj", "--up", "z")
         self.assert_near(found, FPS * numpy.array([STEP[0], -STEP[2], STEP[1]]))

@@ -85,8 +85,8 @@ TEST(Velocity, OfAStillSurfaceIsZero) {
   const Mesh mesh = test_meshes::makeSphere(1, 2);
   const auto still = [](const Vec3d& x) { return x; };
   const auto zero = [](const Vec3d&) { return Vec3d(0); };
-  EXPECT_EQ(greatestVelocityError(mesh, {velocityMoment(mesh, -kStep, still), velocityMoment(mesh, kStep, still)}, zero),
-            0);
+  EXPECT_EQ(
+      greatestVelocityError(mesh, {velocityMoment(mesh, -kStep, still), velocityMoment(mesh, kStep, still)}, zero), 0);
   EXPECT_EQ(greatestVelocityError(mesh, {}, zero), 0);
 }
 
@@ -101,8 +101,7 @@ TEST(Velocity, OfASurfaceThatReturnsIsZero) {
 TEST(Velocity, OfGrowthFollowsTheDepth) {
   const Mesh mesh = test_meshes::makeSphere(1, 2);
   const double rate = 0.1 / kStep;
-  const std::vector<SurfaceAt> moments = {
-      velocityMoment(mesh, kStep, [](const Vec3d& x) { return Vec3d(1.1 * x); })};
+  const std::vector<SurfaceAt> moments = {velocityMoment(mesh, kStep, [](const Vec3d& x) { return Vec3d(1.1 * x); })};
   // What lies beside the surface moves away in proportion; or it keeps its distance, and goes as fast as the surface.
   const auto inProportion = [&](const Vec3d& x) { return Vec3d(rate * x); };
   EXPECT_LT(greatestVelocityError(mesh, moments, inProportion), 1e-10);
@@ -117,7 +116,8 @@ TEST(Velocity, OfTwoPartsIsThatOfTheNearerOne) {
   for (const Vec3d& point : other.points) mesh.points.push_back(point + Vec3d(3, 0, 0));
   for (const openvdb::Vec3I& t : other.triangles)
     mesh.triangles.push_back(t + openvdb::Vec3I(static_cast<openvdb::Vec3I::ValueType>(first)));
-  SurfaceAt after = velocityMoment(mesh, kStep, [](const Vec3d& x) { return Vec3d(x + Vec3d(0, x[0] > 1.5 ? 1 : 0, 0)); });
+  SurfaceAt after =
+      velocityMoment(mesh, kStep, [](const Vec3d& x) { return Vec3d(x + Vec3d(0, x[0] > 1.5 ? 1 : 0, 0)); });
   const auto expected = [](const Vec3d& x) { return Vec3d(0, x[0] > 1.5 ? 1 / kStep : 0, 0); };
   EXPECT_LT(greatestVelocityError(mesh, {after}, expected), 1e-9);
 }
@@ -125,7 +125,8 @@ TEST(Velocity, OfTwoPartsIsThatOfTheNearerOne) {
 TEST(Velocity, DoesNotDependOnTheBatch) {
   const Mesh mesh = test_meshes::makeSphere(1, 2);
   const SurfaceVelocity velocity(
-      mesh, std::vector{velocityMoment(mesh, kStep, [](const Vec3d& x) { return Vec3d(x[0], 1.3 * x[1], x[2] * x[2]); })},
+      mesh,
+      std::vector{velocityMoment(mesh, kStep, [](const Vec3d& x) { return Vec3d(x[0], 1.3 * x[1], x[2] * x[2]); })},
       MotionDepth::Stretched);
   const std::vector<Vec3d> places = placesAbout(mesh), together = velocity.at(places);
   for (std::size_t i = 0; i < places.size(); ++i) EXPECT_EQ(velocity.at({&places[i], 1})[0], together[i]);

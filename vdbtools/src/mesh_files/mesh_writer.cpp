@@ -71,7 +71,8 @@ std::unique_ptr<MeshEncoder> encoderOf(const MeshWriteOptions& options) {
 
 }  // namespace
 
-void turnWorldVectors(std::span<float> values, std::span<const VertexColumn> columns, const UpTurn& turn, double scale) {
+void turnWorldVectors(std::span<float> values, std::span<const VertexColumn> columns, const UpTurn& turn,
+                      double scale) {
   const std::size_t row = rowLength(columns);
   std::size_t offset = 0;
   for (const VertexColumn& column : columns) {

@@ -17,8 +17,8 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <string>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace vdbtools {
@@ -70,9 +70,9 @@ double volumeOf(std::span<const Vec3d> corners, const Vec3d& middle) {
 /// Moments of both surfaces, weighted by the area of the first.
 struct Moments {
   double area = 0;
-  Vec3d from{0, 0, 0}, to{0, 0, 0};  ///< centroids
+  Vec3d from{0, 0, 0}, to{0, 0, 0};                   ///< centroids
   Mat3d across = Mat3d::zero(), own = Mat3d::zero();  ///< of the second with the first, and of the first
-  double spread = 0;  ///< of the second surface, its units squared
+  double spread = 0;                                  ///< of the second surface, its units squared
 };
 
 Moments momentsOf(const CornerPairs& pairs) {
@@ -198,13 +198,16 @@ struct SearchUnits {
 
 struct SurfaceMotion::Parts {
   Parts(const CornerPairs& pairs, const std::string& name)
-      : overall(overallOf(pairs, name)), fromUnits(pairs.from), toUnits(pairs.to), linear(overall.matrix * toUnits.scale) {}
+      : overall(overallOf(pairs, name)),
+        fromUnits(pairs.from),
+        toUnits(pairs.to),
+        linear(overall.matrix * toUnits.scale) {}
 
   Image image(const Vec3I& t, const Vec3d& w, const Vec3d& at) const;
 
   AffineMap overall;
   SearchUnits fromUnits, toUnits;
-  Mat3d linear;  ///< of the overall map, from world units to those of the other surface's search
+  Mat3d linear;                 ///< of the overall map, from world units to those of the other surface's search
   std::vector<Vec3d> from, to;  ///< each in its own units
   std::vector<Vec3I> triangles;
   std::vector<Mat3d> turns;  ///< what T does after the overall map, at each vertex
@@ -249,8 +252,8 @@ SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth
     const double area = normal.length(), areaAfter = image.length();
     if (!(area > 0)) continue;
     const Vec3d n = normal / area;
-    const double height = depth == MotionDepth::Kept ? (back * n).length() * parts.toUnits.scale
-                                                     : std::sqrt(areaAfter / area);
+    const double height =
+        depth == MotionDepth::Kept ? (back * n).length() * parts.toUnits.scale : std::sqrt(areaAfter / area);
     const Vec3d up = areaAfter > 0 ? image * (height / areaAfter) : Vec3d(0);
     // A a* + B b* + up n, with the dual basis a*, b* of a, b in the plane of the triangle.
     const Vec3d dualA = b.cross(n) / area, dualB = n.cross(a) / area;
@@ -264,7 +267,8 @@ SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth
   }
   for (std::size_t i = 0; i < parts.turns.size(); ++i)
     parts.turns[i] = weights[i] > 0 ? parts.turns[i] * (1 / weights[i]) : Mat3d::identity();
-  parts.growth = usualMost(std::move(growths)) * (determinant > 0 ? parts.toUnits.scale / elementary::cbrt(determinant) : 1);
+  parts.growth =
+      usualMost(std::move(growths)) * (determinant > 0 ? parts.toUnits.scale / elementary::cbrt(determinant) : 1);
   parts.search.emplace(parts.from, parts.triangles);
 }
 
@@ -303,8 +307,7 @@ SurfaceMotion::Image SurfaceMotion::Parts::image(const Vec3I& t, const Vec3d& w,
 SurfaceMotion::Image SurfaceMotion::carry(const Vec3d& x, std::optional<std::uint32_t> hint) const {
   const Parts& parts = *mParts;
   const Vec3d at = parts.fromUnits.of(x);
-  const std::optional<SurfacePoint> found =
-      parts.search->nearest(at, std::numeric_limits<double>::infinity(), hint);
+  const std::optional<SurfacePoint> found = parts.search->nearest(at, std::numeric_limits<double>::infinity(), hint);
   if (!found) throw DataError("the mesh has no triangle with an area; check the file");
   Image image = parts.image(parts.triangles[found->triangle], found->weights, at);
   image.hint = found->triangle;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/motion/surface_velocity.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace vdbtools {
@@ -36,6 +38,12 @@ std::vector<Vec3d> SurfaceVelocity::at(std::span<const Vec3d> points) const {
     result[i] = (placeAt(mSides.back()) - from) / seconds;
   }
   return result;
+}
+
+double SurfaceVelocity::frame() const {
+  double longest = 0;
+  for (const Side& side : mSides) longest = std::max(longest, std::abs(side.seconds));
+  return longest;
 }
 
 }  // namespace vdbtools

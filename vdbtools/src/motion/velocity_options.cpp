@@ -16,12 +16,14 @@ namespace vdbtools {
 namespace {
 
 std::string idleWithoutVelocity(const OptionRun& run) {
-  return wantsVelocity(run.recipe) ? "" : "it is for --attributes velocity, which is not given; give that, or leave it out";
+  return wantsVelocity(run.recipe) ? ""
+                                   : "it is for --attributes velocity, which is not given; give that, or leave it out";
 }
 
 std::string idleWithoutNeighbours(const OptionRun& run) {
   if (hasNeighbourFrames(run.recipe)) return {};
-  return "it is for --target-before and --target-after, and neither is given (an animated glTF has --target-fps); leave "
+  return "it is for --target-before and --target-after, and neither is given (an animated glTF has --target-fps); "
+         "leave "
          "it out";
 }
 
@@ -32,8 +34,9 @@ struct VelocityText {
 };
 
 const OptionRows<VelocityText>& velocityRows() {
-  const IdleRule idle = idleByAny({idleWithoutVelocity, idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb},
-                                                                    "the points of a mesh or a VDB")});
+  const IdleRule idle =
+      idleByAny({idleWithoutVelocity, idleWithout({Product::Vdb, Product::Mesh, Product::Stl, Product::Glb},
+                                                  "the points of a mesh or a VDB")});
   static const OptionRows<VelocityText> rows{
       {{.name = kTargetBefore,
         .argument = "MESH",
@@ -43,8 +46,9 @@ const OptionRows<VelocityText>& velocityRows() {
        withoutDefault(text(&VelocityText::before))},
       {{.name = kTargetAfter,
         .argument = "MESH",
-        .help = "the target one frame later; one of the two is enough. With --frames, where the input's name has a place "
-                "for the frame, both are that input by default, at the neighbouring frames",
+        .help =
+            "the target one frame later; one of the two is enough. With --frames, where the input's name has a place "
+            "for the frame, both are that input by default, at the neighbouring frames",
         .hash = "target-after-sha256",
         .idle = idle},
        withoutDefault(text(&VelocityText::after))},

@@ -56,8 +56,7 @@ std::vector<std::string> namesInFiles(const VertexColumn& column) {
   switch (column.kind) {
     case ColumnKind::Number: return {column.name};
     case ColumnKind::Vector:
-    case ColumnKind::WorldVector:
-      return {column.name, column.name + "_x", column.name + "_y", column.name + "_z"};
+    case ColumnKind::WorldVector: return {column.name, column.name + "_x", column.name + "_y", column.name + "_z"};
     case ColumnKind::LinearRgb: return {column.name, "red", "green", "blue"};
     case ColumnKind::TextureCoordinate: return {column.name, "s", "t"};
   }

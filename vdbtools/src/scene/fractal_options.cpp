@@ -18,7 +18,9 @@ void requireSources(const RecipeReader& reader, const FractalOptions& options) {
     reader.refuse("attributes", "without 'mask', as the map has no option --mask");
   if (options.target) return;
   constexpr const char* kNoTarget = ", as there is no target; give a mesh or a VDB, or leave it out";
-  for (const auto& [attribute, name] : {std::pair(PointAttribute::Depth, "depth"), {PointAttribute::Tau, "tau"}, {PointAttribute::Velocity, "velocity"}})
+  for (const auto& [attribute, name] : {std::pair(PointAttribute::Depth, "depth"),
+                                        {PointAttribute::Tau, "tau"},
+                                        {PointAttribute::Velocity, "velocity"}})
     if (attributes.has(attribute)) reader.refuse("attributes", std::string("without '") + name + "'" + kNoTarget);
   if (attributes.colour && attributes.colour->by == FieldColour::Depth)
     reader.refuse("colour", std::string("something else than depth") + kNoTarget);

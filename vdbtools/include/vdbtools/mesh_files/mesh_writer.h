@@ -51,7 +51,8 @@ struct MeshWriteOptions {
   FileTexts comments{};
   /// Rotates points, normals, world vectors and the box to the axes of the file; other columns stay unchanged.
   UpTurn turn{};
-  /// Multiplies positions, the box and world vectors for a file whose unit is another one; other columns stay unchanged.
+  /// Multiplies positions, the box and world vectors for a file whose unit is another one; other columns stay
+  /// unchanged.
   double scale = 1;
   /// Levels of detail that a GLB has in addition to the mesh, as fractions of its triangles. They require holding the
   /// whole mesh in memory. Other formats have none.

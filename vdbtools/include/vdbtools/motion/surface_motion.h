@@ -59,10 +59,10 @@ class SurfaceMotion {
   void showOnly(const std::vector<std::uint32_t>& shown);
 
   struct Image {
-    openvdb::Vec3d at;         ///< rho(x), world units of the other surface
-    openvdb::Mat3d gradient;   ///< of rho at x, for x that keep their nearest point
-    double distance = 0;       ///< |T (x - p)|, world units of the other surface
-    std::uint32_t hint = 0;    ///< for points beside x
+    openvdb::Vec3d at;        ///< rho(x), world units of the other surface
+    openvdb::Mat3d gradient;  ///< of rho at x, for x that keep their nearest point
+    double distance = 0;      ///< |T (x - p)|, world units of the other surface
+    std::uint32_t hint = 0;   ///< for points beside x
   };
   /// @param hint  makes the search faster and changes nothing else
   Image carry(const openvdb::Vec3d& x, std::optional<std::uint32_t> hint = std::nullopt) const;

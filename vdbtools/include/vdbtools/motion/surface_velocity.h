@@ -28,9 +28,12 @@ class SurfaceVelocity {
   ~SurfaceVelocity();
 
   /// The velocities of points, world units per second: how far each point goes from the earlier moment to the later one
-  /// (which may be now), by the time between them. A point goes where SurfaceMotion carries it, with its nearest point of
-  /// the surface.
+  /// (which may be now), by the time between them. A point goes where SurfaceMotion carries it, with its nearest point
+  /// of the surface.
   std::vector<openvdb::Vec3d> at(std::span<const openvdb::Vec3d> points) const;
+
+  /// The time of a frame: from now to the moment that is farthest away, seconds.
+  double frame() const;
 
  private:
   struct Side {

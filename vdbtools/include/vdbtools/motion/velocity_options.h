@@ -35,7 +35,8 @@ bool hasNeighbourFrames(const Recipe& recipe);
 /// The frames per second that a recipe has or gets by default. @throw std::invalid_argument
 double framesPerSecondOf(const Recipe& recipe);
 
-/// Returns nullopt if velocities are not wanted. The recipe of a sequence may leave it to its frames from what they follow.
+/// Returns nullopt if velocities are not wanted. The recipe of a sequence may leave it to its frames from what they
+/// follow.
 /// @throw std::invalid_argument  there is nothing that could move
 std::optional<VelocityOptions> parseVelocityOptions(const RecipeReader& reader,
                                                     const std::optional<TargetOptions>& target);

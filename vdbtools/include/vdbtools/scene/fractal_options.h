@@ -39,7 +39,7 @@ struct OutputOptions {
 
 struct FractalOptions {
   std::optional<TargetOptions> target;
-  std::optional<RestOptions> rest{};  ///< where its points are at rest; none: the target does not move
+  std::optional<RestOptions> rest{};          ///< where its points are at rest; none: the target does not move
   std::optional<VelocityOptions> velocity{};  ///< if velocities are wanted
   SpaceOptions space;
   std::shared_ptr<const MapSettings> map;
