@@ -577,24 +577,30 @@ class Addon(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "cut off"):
             ply.read(path)
 
-    def blurred_extent(self, thing, blurs):
-        """The lowest and the highest point of an object in a picture along Y, whose shutter is open for a frame from now on."""
+    def blurred(self, thing, blurs):
+        """The lowest, the mean and the highest place of an object in a picture along Y, and its width. The shutter is open for a
+        frame, half of it before now, and takes in more and more light."""
         size, scale = 64, 6
         scene = bpy.context.scene
         scene.render.engine = "CYCLES"
-        scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CPU", 16, False
+        scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CPU", 64, False
         scene.render.resolution_x = scene.render.resolution_y = size
         scene.render.resolution_percentage, scene.render.fps = 100, 24
         scene.render.use_motion_blur, scene.render.motion_blur_shutter = blurs, 1
-        # It stands at another place from 4.2 on.
-        (scene.cycles if hasattr(scene.cycles, "motion_blur_position") else scene.render).motion_blur_position = "START"
+        shutter = scene.render.motion_blur_shutter_curve
+        first, *others, last = shutter.curves[0].points
+        for point in others:
+            shutter.curves[0].points.remove(point)
+        first.location, last.location = (0, 0), (1, 1)
+        shutter.update()
         scene.render.filepath = str(self.folder / f"{thing.type}{blurs}.png")
         for other in scene.objects:
             other.hide_render = other.type in ("MESH", "VOLUME") and other != thing
         bpy.ops.render.render(write_still=True)
-        pixels = numpy.array(bpy.data.images.load(scene.render.filepath).pixels[:]).reshape(size, size, 4)
-        rows = numpy.nonzero(pixels[:, :, :3].max(2).max(1) > 0.02)[0]
-        return [scale * (row / size - 0.5) for row in (rows[0], rows[-1] + 1)]
+        pixels = numpy.array(bpy.data.images.load(scene.render.filepath).pixels[:]).reshape(size, size, 4)[:, :, :3].max(2)
+        rows, columns = (numpy.nonzero(pixels.max(axis) > 0.004)[0] for axis in (1, 0))
+        mean = (pixels.sum(1) * (numpy.arange(size) + 0.5)).sum() / pixels.sum()
+        return [scale * (row / size - 0.5) for row in (rows[0], mean, rows[-1] + 1)], scale / size * (columns[-1] + 1 - columns[0])
 
     def test_what_moves_is_blurred_in_its_direction(self):
         """A ball with the radius 1 that rises by 1 in a frame, as a mesh and as a volume."""
@@ -622,11 +628,11 @@ class Addon(unittest.TestCase):
             with self.subTest(kind=kind):
                 self.assertEqual(bpy.ops.juliavdb.import_file(filepath=str(self.folder / f"f.{kind}")), {"FINISHED"})
                 thing = bpy.context.object
-                low, high = self.blurred_extent(thing, False)
-                self.assertLess(abs(low + 1) + abs(high - 1), 0.4)
-                low, high = self.blurred_extent(thing, True)
-                self.assertLess(abs(low + 1), 0.35)
-                self.assertLess(abs(high - 1.9), 0.25)
+                (low, mean, high), width = self.blurred(thing, False)
+                self.assertLess(max(abs(low + 1), abs(high - 1), abs(mean), abs(width - 2)), 0.35)
+                (low, mean, high), width = self.blurred(thing, True)
+                self.assertLess(max(abs(low + 1.5), abs(high - 1.5), abs(width - 2)), 0.35)
+                self.assertGreater(mean, 0.1)
 
     def test_drawing_never_waits_for_the_program(self):
         """A program that does not answer holds up a thread, but not what Blender calls to draw."""
