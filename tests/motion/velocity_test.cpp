@@ -119,7 +119,11 @@ TEST(Velocity, OfTwoPartsIsThatOfTheNearerOne) {
   SurfaceAt after =
       velocityMoment(mesh, kStep, [](const Vec3d& x) { return Vec3d(x + Vec3d(0, x[0] > 1.5 ? 1 : 0, 0)); });
   const auto expected = [](const Vec3d& x) { return Vec3d(0, x[0] > 1.5 ? 1 / kStep : 0, 0); };
-  EXPECT_LT(greatestVelocityError(mesh, {after}, expected), 1e-9);
+  // Beside the surface, the map that fits best to both parts together shears a little.
+  EXPECT_LT(greatestVelocityError(mesh, {after}, expected), 0.001 / kStep);
+  const SurfaceVelocity velocity(mesh, std::vector{after}, MotionDepth::Stretched);
+  const std::vector<Vec3d> found = velocity.at(mesh.points);
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT((found[i] - expected(mesh.points[i])).length(), 1e-10);
 }
 
 TEST(Velocity, DoesNotDependOnTheBatch) {

@@ -122,6 +122,9 @@ double framesPerSecondOf(const Recipe& recipe) {
 std::optional<VelocityOptions> parseVelocityOptions(const RecipeReader& reader,
                                                     const std::optional<TargetOptions>& target) {
   const VelocityText text = velocityRows().read(reader);
+  for (const char* name : {kTargetBefore, kTargetAfter})
+    if (reader.has(name) && !target)
+      throw std::invalid_argument("--" + std::string(name) + " is for a target that moves, and there is no target");
   if (!wantsVelocity(reader.recipe())) return std::nullopt;
   if (!target) reader.refuse("attributes", "without 'velocity', as there is no target that could move");
   if (!target->mesh && isVdbPath(target->input.path))
