@@ -133,7 +133,7 @@ RECIPES = {
 }
 # What has no points to colour, or none that move, says so.
 MOVING = {"--target-before", "--target-after"}
-REFUSED = {"slice": {"--colour", *MOVING}, "render": MOVING}
+REFUSED = {"slice": {"--colour", *MOVING}, "render": MOVING, "study": MOVING}
 for _command, _words in RECIPES.items():
     for _option, (_victim, _options) in RECIPE.items():
         if _option not in REFUSED.get(_command, ()):
