@@ -164,7 +164,8 @@ std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const
 
 /// How the target moves; nullptr if that is not wanted. @param now  its mesh
 /// @throw as surfaceVelocity()
-std::shared_ptr<const SurfaceVelocity> velocityOf(const FractalOptions& options, const std::shared_ptr<const Mesh>& now);
+std::shared_ptr<const SurfaceVelocity> velocityOf(const FractalOptions& options,
+                                                  const std::shared_ptr<const Mesh>& now);
 
 /// The files that the options name: those whose hashes are recorded.
 std::vector<NamedFile> filesOf(const FractalOptions& options);
