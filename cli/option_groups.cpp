@@ -28,6 +28,7 @@ OptionGroups::OptionGroups(const vdbtools::OptionTable& table) : mOthers("What t
   };
   add("Target", vdbtools::targetOptionSpecs());
   add("Motion", vdbtools::restOptionSpecs());
+  add("Motion", vdbtools::velocityOptionSpecs());
   add("Detail", vdbtools::shellOptions());
   add("Texture", vdbtools::rootsOptions());
   add("Texture", {vdbtools::frequencyOption()});

@@ -117,6 +117,7 @@ void writePoints(const CommandLine& line, const Made& made, const FrameRun& run,
     vdbtools::OrientedPoints turned = points;
     for (openvdb::Vec3d& position : turned.positions) position = write.turn(position);
     for (openvdb::Vec3s& normal : turned.normals) normal = write.turn(normal);
+    vdbtools::turnWorldVectors(turned.values, turned.columns, write.turn);
     write.turn = {};
     file.stream() << vdbtools::encodeVdb({vdbtools::pointGrid(turned.batch(), turned.columns, spacing)}, write);
   } else {

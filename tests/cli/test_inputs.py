@@ -33,6 +33,8 @@ RECIPE = {
     "--outward": ("c.ply", ("--outward", "paint:red@c.ply:0:1")),
     "--alpha": ("s.vdb", ("--alpha", "s.vdb:phi")),
     "--colour": ("p.png", ("--colour", "iterations:p.png")),
+    "--target-before": ("in.0001.obj", ("--attributes", "velocity", "--target-before", "in.0001.obj")),
+    "--target-after": ("in.0002.obj", ("--attributes", "velocity", "--target-after", "in.0002.obj")),
 }
 
 # (command, the victim, the words). Each option that names a file stands in some case of its command, once with OUT
@@ -131,8 +133,9 @@ RECIPES = {
     "render": ("--field", "b.obj", "-o", OUT),
     "explore": ("b.obj", "--export", OUT),
 }
-# A slice has no points to colour, and says so.
-REFUSED = {"slice": {"--colour"}}
+# What has no points to colour, or none that move, says so.
+MOVING = {"--target-before", "--target-after"}
+REFUSED = {"slice": {"--colour", *MOVING}, "render": MOVING, "study": MOVING}
 for _command, _words in RECIPES.items():
     for _option, (_victim, _options) in RECIPE.items():
         if _option not in REFUSED.get(_command, ()):
@@ -254,7 +257,9 @@ class Inputs(harness.CliTest):
         covered = {}
         for command, options in REFUSED.items():
             for option in options:
-                self.refused(harness.USAGE, command, *RECIPE[option][1], "b.obj", "-o", "p.png", mentions=f"{option} has no")
+                words = ("--field",) if command == "render" else ()
+                self.refused(harness.USAGE, command, *RECIPE[option][1][-2:], *words, "b.obj", "-o", "new.png",
+                             mentions=f"{option} has no")
             covered[command] = set(options)
         for command, victim, words in CASES:
             done = covered.setdefault(command, set())

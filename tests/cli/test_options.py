@@ -49,6 +49,7 @@ RUNS = {
         ("--map", "mandelbulb", "--mesh", "f.obj", "--resolution", 14),
         ("--map", "cross", "--scheme", 5, "-o", "f.vdb", "--resolution", 14),
         ("s.obj", "-o", "f.####.vdb", "--frames", "1-3", "--key", "detail@1=0.2", "--key", "detail@3=0.4", *LOW),
+        ("s.obj", "-o", "f.vdb", "--attributes", "velocity", "--target-after", "on.obj", *LOW),
         ("walk.gltf", "-o", "f.vdb", "--target-frame", 18, "--resolution", 14, "--sdf-resolution", 100),
     ],
     "sdf": [("s.obj", "-o", "f.vdb", "--resolution", 14), ("s.obj", "-o", "f.nvdb", "--resolution", 14), ("open.obj", "--repair", "-o", "f.vdb", "--resolution", 14),
@@ -133,7 +134,8 @@ VALUES = {
         "tolerance": "0.4", "adaptivity": "2", "crumbs": "keep", "largest": "1", "min-size": "0.9", "precision": "double",
         "grids": "surface,density", "lod": "100%,40%", "grid-names": "surface=shape", "units": "mm", "attributes": "iterations", "colour": "trap:magma",
         "transfer": "weight", "target-up": "z", "up": ("z", "y"), "frame": "3", "frames": ("1-2", "1-3"), "key": "iterations@1=2",
-        "target-frame": "24", "target-fps": "30", "target-animation": "jump", "ease": "step", "search": ".", "config": "list.txt", "nvdb-bits": "8", "threads": "1", "instructions": "portable", "device": "cpu", "memory": "64G",
+        "target-frame": "24", "target-fps": "30", "target-animation": "jump",
+        "target-before": "back.obj", "target-after": ("on.obj", "back.obj"), "fps": "30", "ease": "step", "search": ".", "config": "list.txt", "nvdb-bits": "8", "threads": "1", "instructions": "portable", "device": "cpu", "memory": "64G",
         "progress": "json", "mesh": "g.ply", "curve": "c.png", "csv": "c.csv", "report": "r.csv", "plot": "p.png", "charge": "c.ply",
     },
 }
@@ -249,6 +251,8 @@ class Options(harness.CliTest):
         self.write("rest.obj", harness.obj((thin, faces)))
         self.write("bent.obj", harness.obj(test_motion.bent((points, faces), 30)))
         self.write("home.ply", test_motion.with_rest((points, faces), (thin, faces), "home", points))
+        self.write("on.obj", harness.obj(harness.moved(harness.lumpy(), 1, (0.1, 0, 0))))
+        self.write("back.obj", harness.obj(harness.moved(harness.lumpy(), 1.1, (0, 0.1, 0))))
         ball, more = harness.sphere(2), harness.moved(harness.sphere(2), 0.5, (3, 0, 0))
         self.write("two.obj", harness.obj((ball[0] + more[0],
                                            ball[1] + [tuple(k + len(ball[0]) for k in f) for f in more[1]])))

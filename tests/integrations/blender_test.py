@@ -628,6 +628,63 @@ class Addon(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "cut off"):
             ply.read(path)
 
+    def blurred(self, thing, blurs):
+        """The lowest, the mean and the highest place of an object in a picture along Y, and its width. The shutter is open for a
+        frame, half of it before now, and takes in more and more light."""
+        size, scale = 64, 6
+        scene = bpy.context.scene
+        scene.render.engine = "CYCLES"
+        scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CPU", 64, False
+        scene.render.resolution_x = scene.render.resolution_y = size
+        scene.render.resolution_percentage, scene.render.fps = 100, 24
+        scene.render.use_motion_blur, scene.render.motion_blur_shutter = blurs, 1
+        shutter = scene.render.motion_blur_shutter_curve
+        first, *others, last = shutter.curves[0].points
+        for point in others:
+            shutter.curves[0].points.remove(point)
+        first.location, last.location = (0, 0), (1, 1)
+        shutter.update()
+        scene.render.filepath = str(self.folder / f"{thing.type}{blurs}.png")
+        for other in scene.objects:
+            other.hide_render = other.type in ("MESH", "VOLUME") and other != thing
+        bpy.ops.render.render(write_still=True)
+        pixels = numpy.array(bpy.data.images.load(scene.render.filepath).pixels[:]).reshape(size, size, 4)[:, :, :3].max(2)
+        rows, columns = (numpy.nonzero(pixels.max(axis) > 0.004)[0] for axis in (1, 0))
+        mean = (pixels.sum(1) * (numpy.arange(size) + 0.5)).sum() / pixels.sum()
+        return [scale * (row / size - 0.5) for row in (rows[0], mean, rows[-1] + 1)], scale / size * (columns[-1] + 1 - columns[0])
+
+    def test_what_moves_is_blurred_in_its_direction(self):
+        """A ball with the radius 1 that rises by 1 in a frame, as a mesh and as a volume."""
+        for name, height in (("now", 0), ("later", 1)):
+            bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1, location=(0, 0, 0))
+            ball = bpy.context.object
+            points, triangles, attributes = self.addon.meshes.to_arrays(ball, bpy.context)
+            bpy.data.objects.remove(ball)
+            points = self.addon.meshes.z_up_to_y_up(points + numpy.array([0, 0, height]))
+            (self.folder / f"{name}.ply").write_bytes(self.addon.ply.encoded(points, triangles, attributes))
+        subprocess.run([PROGRAM, "fractal", "now.ply", "--target-after", "later.ply", "--attributes", "velocity", "--mask", "0",
+                        "--mesh", "f.ply", "-o", "f.vdb", "--up", "auto", "--grids", "surface,density", "--grid-names", "blender",
+                        "--resolution", "40", "--sdf-resolution", "60", "--progress", "none"], cwd=self.folder, check=True,
+                       capture_output=True)
+        scene = bpy.context.scene
+        sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+        sun.data.energy, sun.rotation_euler = 5, (1.57, 0, 0)
+        camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+        camera.data.type, camera.data.ortho_scale = "ORTHO", 6
+        camera.location, camera.rotation_euler = (0, -8, 0), (numpy.pi / 2, 0, 0)
+        for thing in (sun, camera):
+            scene.collection.objects.link(thing)
+        scene.camera = camera
+        for kind in ("ply", "vdb"):
+            with self.subTest(kind=kind):
+                self.assertEqual(bpy.ops.juliavdb.import_file(filepath=str(self.folder / f"f.{kind}")), {"FINISHED"})
+                thing = bpy.context.object
+                (low, mean, high), width = self.blurred(thing, False)
+                self.assertLess(max(abs(low + 1), abs(high - 1), abs(mean), abs(width - 2)), 0.35)
+                (low, mean, high), width = self.blurred(thing, True)
+                self.assertLess(max(abs(low + 1.5), abs(high - 1.5), abs(width - 2)), 0.35)
+                self.assertGreater(mean, 0.1)
+
     def test_drawing_never_waits_for_the_program(self):
         """A program that does not answer holds up a thread, but not what Blender calls to draw."""
         self.source()

@@ -47,7 +47,7 @@ Mat3d rotation(double degrees) {
 /// The largest difference between rho and a map, for motions from a tube moved by the map back to the tube.
 double mostOff(const AffineMap& map, MotionDepth depth = MotionDepth::Stretched) {
   const Mesh tube = moving_tubes::straightTube();
-  const SurfaceMotion motion(mapped(tube, map), tube, depth, "at rest");
+  const SurfaceMotion motion(mapped(tube, map), tube, depth);
   double most = 0;
   for (const Vec3d& x : placesAboutTube(400)) most = std::max(most, (motion.carry(map(x)).at - x).length());
   return most;
@@ -66,7 +66,7 @@ TEST(SurfaceMotion, RigidMotionsSimilaritiesAndAffineMapsAreReproduced) {
 
 TEST(SurfaceMotion, PointsOfTheSurfaceKeepTheirWeights) {
   const Mesh rest = moving_tubes::straightTube(), pose = moving_tubes::bent(rest, 90);
-  const SurfaceMotion motion(pose, rest, MotionDepth::Stretched, "at rest");
+  const SurfaceMotion motion(pose, rest, MotionDepth::Stretched);
   std::mt19937 random(3);
   for (int i = 0; i < 500; ++i) {
     const openvdb::Vec3I& t = pose.triangles[random() % pose.triangles.size()];
@@ -83,7 +83,7 @@ TEST(SurfaceMotion, PartsThatMoveApartAreCarriedEachByItself) {
   const Mesh still = test_meshes::makeSphere(1, 3), other = test_meshes::makeSphere(0.7, 3, Vec3d(3, 0, 0));
   const AffineMap away{rotation(70), {4, 1, -2}};
   const SurfaceMotion motion(test_meshes::merged(still, mapped(other, away)), test_meshes::merged(still, other),
-                             MotionDepth::Stretched, "at rest");
+                             MotionDepth::Stretched);
   std::mt19937 random(5);
   for (int i = 0; i < 200; ++i) {
     const double a = unitNumber(random) - 0.5, b = unitNumber(random) - 0.5, c = unitNumber(random) - 0.5;
@@ -96,8 +96,7 @@ TEST(SurfaceMotion, PartsThatMoveApartAreCarriedEachByItself) {
 
 TEST(SurfaceMotion, DepthIsStretchedOrKept) {
   const Mesh rest = test_meshes::makeSphere(1, 4), pose = test_meshes::transformed(rest, 2, Vec3d(0));
-  const SurfaceMotion stretched(pose, rest, MotionDepth::Stretched, "at rest"),
-      kept(pose, rest, MotionDepth::Kept, "at rest");
+  const SurfaceMotion stretched(pose, rest, MotionDepth::Stretched), kept(pose, rest, MotionDepth::Kept);
   for (const Vec3d& direction : {Vec3d(1, 0.2, 0.1).unit(), Vec3d(-0.3, 1, 0.5).unit()}) {
     const Vec3d x = direction * 2.3;
     EXPECT_NEAR(stretched.carry(x).at.length(), 1.15, 0.002);
@@ -109,7 +108,7 @@ TEST(SurfaceMotion, DepthIsStretchedOrKept) {
 
 TEST(SurfaceMotion, IsContinuousAndHasItsGradientAwayFromJumps) {
   const Mesh rest = moving_tubes::straightTube(), pose = moving_tubes::bent(rest, 60);
-  const SurfaceMotion motion(pose, rest, MotionDepth::Stretched, "at rest");
+  const SurfaceMotion motion(pose, rest, MotionDepth::Stretched);
   std::mt19937 random(11);
   int checked = 0;
   for (int i = 0; i < 300; ++i) {
@@ -136,40 +135,42 @@ TEST(SurfaceMotion, TrianglesWithoutAreaAndTornVerticesDoNoHarm) {
   // A soup has points of its own for each triangle; pieces without area come last.
   Mesh soup = test_meshes::makeSoup(rest, 0);
   soup.triangles.insert(soup.triangles.end(), {{0, 0, 1}, {5, 5, 5}});
-  const SurfaceMotion motion(mapped(soup, turn), soup, MotionDepth::Stretched, "at rest");
+  const SurfaceMotion motion(mapped(soup, turn), soup, MotionDepth::Stretched);
   for (const Vec3d& x : placesAboutTube(100)) EXPECT_LT((motion.carry(turn(x)).at - x).length(), 1e-11);
 
   // A ring that falls into one point in the pose.
   Mesh pose = rest;
   for (std::size_t i = 321; i < 353; ++i) pose.points[i] = pose.points[321];
-  const SurfaceMotion collapsed(pose, rest, MotionDepth::Stretched, "at rest");
+  const SurfaceMotion collapsed(pose, rest, MotionDepth::Stretched);
   for (const Vec3d& x : placesAboutTube(100)) EXPECT_TRUE(collapsed.carry(x).at.isFinite());
-  const SurfaceMotion opened(rest, pose, MotionDepth::Stretched, "at rest");
+  const SurfaceMotion opened(rest, pose, MotionDepth::Stretched);
   for (const Vec3d& x : placesAboutTube(100)) EXPECT_TRUE(opened.carry(x).at.isFinite());
 }
 
 TEST(SurfaceMotion, MeshesThatDoNotBelongTogetherAreRefused) {
   const auto why = [](const Mesh& pose, const Mesh& rest) {
     try {
-      SurfaceMotion(pose, rest, MotionDepth::Stretched, "at rest");
+      SurfaceMotion(pose, rest, MotionDepth::Stretched);
     } catch (const DataError& error) {
       return std::string(error.what());
     }
     return std::string();
   };
   const Mesh tube = moving_tubes::straightTube(), sphere = test_meshes::makeSphere(1, 3);
-  EXPECT_NE(why(tube, sphere).find("and at rest it has 1280"), std::string::npos) << why(tube, sphere);
+  EXPECT_NE(why(tube, sphere).find("and the mesh at rest has 1280"), std::string::npos) << why(tube, sphere);
   Mesh shuffled = tube;
   std::reverse(shuffled.triangles.begin(), shuffled.triangles.end());
-  EXPECT_NE(why(tube, shuffled).find("other corners at rest"), std::string::npos) << why(tube, shuffled);
+  EXPECT_NE(why(tube, shuffled).find("of the mesh at rest has other corners"), std::string::npos)
+      << why(tube, shuffled);
   const Mesh large = test_meshes::transformed(tube, 1000, Vec3d(0));
-  EXPECT_NE(why(tube, large).find("1000 times as large at rest"), std::string::npos) << why(tube, large);
-  EXPECT_NE(why(large, tube).find("1000 times as small at rest"), std::string::npos) << why(large, tube);
+  EXPECT_NE(why(tube, large).find("the mesh at rest is 1000 times as large"), std::string::npos) << why(tube, large);
+  EXPECT_NE(why(large, tube).find("the mesh at rest is 1000 times as small"), std::string::npos) << why(large, tube);
   // A mirror image is an affine map, but not that of a tube that bends.
   Mesh mirrored = tube;
   for (Vec3d& p : mirrored.points) p[2] = -p[2];
   const Mesh bent = moving_tubes::bent(tube, 120);
-  EXPECT_NE(why(bent, mirrored).find("inside out at rest"), std::string::npos) << why(bent, mirrored);
+  EXPECT_NE(why(bent, mirrored).find("the mesh at rest is turned inside out"), std::string::npos)
+      << why(bent, mirrored);
   const Mesh flat = test_meshes::transformed(tube, 0, Vec3d(0));
   EXPECT_NE(why(flat, tube), "");
   EXPECT_NE(why(tube, flat), "");

@@ -13,11 +13,11 @@ from . import materials, meshes, ply, program as programs, settings
 
 def mesh_object(path):
     """A mesh object of a PLY. A file that does not say which axis is up has Z up, as PLYs usually do."""
-    points, triangles, colours = ply.read(path)
+    points, triangles, colours, velocities = ply.read(path)
     if ply.up_axis(path) == "y":
-        points = meshes.y_up_to_z_up(points)
+        points, velocities = meshes.y_up_to_z_up(points), meshes.y_up_to_z_up(velocities)
     name = os.path.splitext(os.path.basename(path))[0]
-    mesh = meshes.from_arrays(name, points, triangles, colours)
+    mesh = meshes.from_arrays(name, points, triangles, colours, velocities)
     mesh.materials.append(materials.surface(colours is not None))
     return bpy.data.objects.new(name, mesh)
 
@@ -33,6 +33,7 @@ def volume_object(path, program):
         raise programs.ProgramError(f"{path}: {message or 'there is no grid in it'}")
     names = [grid.name for grid in volume.grids]
     volume.grids.active_index = names.index("density") if "density" in names else 0
+    volume.velocity_unit = "SECOND"
     told = json.loads(programs.answer(program, "info", "--json", os.path.abspath(path)))
     result = bpy.data.objects.new(name, volume)
     if told.get("metadata", {}).get("julia_up_axis", "y") == "y":

@@ -178,10 +178,10 @@ class Making:
             self._place(result, source, scene, old)
 
     def _mesh_object(self, name, old, source):
-        points, triangles, colours = ply.read(self._file)
+        points, triangles, colours, velocities = ply.read(self._file)
         if self._recipe["up"] == "Z":
-            points = meshes.y_up_to_z_up(points)
-        mesh = meshes.from_arrays(name, points, triangles, colours)
+            points, velocities = meshes.y_up_to_z_up(points), meshes.y_up_to_z_up(velocities)
+        mesh = meshes.from_arrays(name, points, triangles, colours, velocities)
         if old is None or old.type != "MESH":
             if self._material and (colours is not None or not source.data.materials):
                 mesh.materials.append(materials.surface(colours is not None))

@@ -93,8 +93,9 @@ def to_arrays(source, context, paint="", combed=None):
     return points, triangles.reshape(-1, 3), attributes, vectors
 
 
-def from_arrays(name, points, triangles, colours=None):
-    """A new mesh, shaded smooth. Colours, if any, become the colour attribute `Cd`."""
+def from_arrays(name, points, triangles, colours=None, velocities=None):
+    """A new mesh, shaded smooth. Colours, if any, become the colour attribute `Cd`, and velocities, per second, the attribute
+    `velocity`, by which Cycles blurs what moves."""
     mesh = bpy.data.meshes.new(name)
     count = len(triangles)
     mesh.vertices.add(len(points))
@@ -112,6 +113,9 @@ def from_arrays(name, points, triangles, colours=None):
         values = numpy.ones((len(points), 4), dtype=numpy.float32)
         values[:, :3] = colours
         attribute.data.foreach_set("color", values.ravel())
+    if velocities is not None:
+        attribute = mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+        attribute.data.foreach_set("vector", numpy.ascontiguousarray(velocities, dtype=numpy.float32).ravel())
     mesh.update(calc_edges=True)
     return mesh
 
@@ -122,4 +126,4 @@ def z_up_to_y_up(points):
 
 
 def y_up_to_z_up(points):
-    return numpy.column_stack([points[:, 0], -points[:, 2], points[:, 1]])
+    return points if points is None else numpy.column_stack([points[:, 0], -points[:, 2], points[:, 1]])

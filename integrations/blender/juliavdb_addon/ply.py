@@ -69,7 +69,7 @@ def up_axis(path):
 
 
 def read(path):
-    """Points (n, 3), triangles (m, 3), and the colours (n, 3) from 0 to 1 in linear light, or None.
+    """Points (n, 3), triangles (m, 3), the colours (n, 3) from 0 to 1 in linear light, or None, and the velocities (n, 3), or None.
 
     Raises ValueError if the file is anything but a mesh of triangles as juliavdb writes it.
     """
@@ -98,4 +98,7 @@ def read(path):
         colours = numpy.column_stack([vertices[name] for name in COLOUR]).astype(numpy.float32)
         if vertices.dtype["red"] == numpy.uint8:
             colours = _linear(colours / 255)
-    return points, faces[corners].astype(numpy.int32), colours
+    velocities = None
+    if all(f"velocity_{axis}" in vertices.dtype.names for axis in "xyz"):
+        velocities = numpy.column_stack([vertices[f"velocity_{axis}"] for axis in "xyz"]).astype(numpy.float32)
+    return points, faces[corners].astype(numpy.int32), colours, velocities

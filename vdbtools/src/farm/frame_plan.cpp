@@ -6,6 +6,7 @@
 
 #include "vdbtools/files/frames.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
+#include "vdbtools/motion/velocity_options.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"
@@ -30,6 +31,36 @@ std::vector<std::string> animatedFiles(const Recipe& recipe, const OptionTable& 
     if (const OptionSpec* option = table.find(name, recipe); option && !option->hash.empty() && hasFramePattern(value))
       names.push_back(name);
   return names;
+}
+
+/// The number of frames from each frame of a list to the next; 1 if it differs from place to place.
+int stepOf(std::vector<int> frames) {
+  std::sort(frames.begin(), frames.end());
+  if (frames.size() < 2) return 1;
+  const int step = frames[1] - frames[0];
+  for (std::size_t i = 2; i < frames.size(); ++i)
+    if (frames[i] - frames[i - 1] != step) return 1;
+  return step;
+}
+
+/// Where velocities are wanted and nothing says how the target moves: the inputs of the frames before and after. Those
+/// of frames that are not made, which may be beyond the ends, are left out where there is no such file.
+/// @param recipe  before the names of its files are those of the frame
+Recipe neighbourFrames(const Recipe& recipe, const FramePlanOptions& options, int frame) {
+  const auto input = recipe.find("input");
+  if (input == recipe.end() || !hasFramePattern(input->second) || !wantsVelocity(recipe) ||
+      hasNeighbourFrames(recipe) || (recipe.contains(kTargetFrame) && mayBeAnimated(input->second)))
+    return {};
+  const int step = stepOf(options.frames);
+  Recipe neighbours;
+  for (const auto& [name, number] : {std::pair(kTargetBefore, frame - step), std::pair(kTargetAfter, frame + step)}) {
+    const std::string file = expandFrame(input->second, number);
+    const bool isMade = std::find(options.frames.begin(), options.frames.end(), number) != options.frames.end();
+    std::error_code error;
+    if (isMade || std::filesystem::is_regular_file(file, error)) neighbours[name] = file;
+  }
+  if (!neighbours.empty() && step != 1) neighbours[kFps] = numbersText({framesPerSecondOf(recipe) / step});
+  return neighbours;
 }
 
 std::string nameFor(const FramePlanOptions& options, const OptionTable& table) {
@@ -61,8 +92,12 @@ Recipe recipeAt(const FramePlanOptions& options, int frame) {
   Recipe values = options.given;
   for (const KeyedOption& option : options.keys) values[option.name] = valueAt(option, frame);
   Recipe recipe = overridden(options.base, values, table);
-  for (const std::string& name : animatedFiles(recipe, table))
-    recipe = overridden(recipe, {{name, expandFrame(recipe.at(name), frame)}}, table);
+  Recipe files = neighbourFrames(recipe, options, frame);
+  for (const std::string& name : animatedFiles(recipe, table)) files[name] = expandFrame(recipe.at(name), frame);
+  // Another input displaces its neighbours, but not those of its own.
+  for (const char* name : {kTargetBefore, kTargetAfter})
+    if (const auto found = recipe.find(name); found != recipe.end()) files.emplace(name, found->second);
+  if (!files.empty()) recipe = overridden(recipe, files, table);
   if (options.resolution && hasAutomaticResolution(recipe)) recipe["resolution"] = numbersText({*options.resolution});
   if (options.sdfResolution && hasAutomaticSdfResolution(recipe))
     recipe["sdf-resolution"] = numbersText({*options.sdfResolution});

@@ -7,22 +7,30 @@
 
 #include <functional>
 #include <list>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbtools::farm {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Reads the scene, with the mesh of its target if attributes are transferred from it.
-Scene sceneWithTransfers(const FractalOptions& options, const fs::path& prepared) {
+/// Reads the scene, with the mesh of its target if attributes follow from it.
+Scene sceneWithMesh(const FractalOptions& options, const fs::path& prepared) {
   Scene scene = readPreparedScene(options, prepared);
-  if (options.output.attributes.transferred.empty()) return scene;
-  const TargetOptions& target = options.target.value();
-  verifiedHashes({&target.input, 1});
+  const bool needsVelocity = options.velocity && !scene.velocity;
+  if (options.output.attributes.transferred.empty() && !needsVelocity) return scene;
+  std::vector<NamedFile> files = {options.target->input};
+  if (needsVelocity)
+    for (const std::optional<NamedFile>& file : {options.velocity->before, options.velocity->after})
+      if (file) files.push_back(*file);
+  verifiedHashes(files);
   Monitor unwatched;
-  scene.target->mesh = transferredMesh(options, *openTarget(target, unwatched));
+  const std::unique_ptr<const TargetInput> input = openTarget(options.target.value(), unwatched);
+  scene.target->mesh = transferredMesh(options, *input);
+  if (needsVelocity) scene.velocity = velocityOf(options, input->mesh());
   return scene;
 }
 
@@ -68,7 +76,7 @@ class MeshFiles {
 }  // namespace
 
 PlanAttributes::PlanAttributes(const FractalOptions& options, const fs::path& prepared)
-    : mScene(sceneWithTransfers(options, prepared)), mAttributes(mScene) {}
+    : mScene(sceneWithMesh(options, prepared)), mAttributes(mScene) {}
 
 std::unique_ptr<const PlanAttributes> planAttributes(const fs::path& folder, const TileJob& job) {
   if (job.options.output.attributes.empty()) return nullptr;

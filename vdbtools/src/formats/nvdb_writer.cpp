@@ -127,7 +127,7 @@ class NanoConverter {
   Handle convert(const openvdb::GridBase& source, NvdbWritten& written) const {
     const openvdb::GridBase::Ptr grid = std::const_pointer_cast<openvdb::GridBase>(source.copyGrid());
     grid->setGridClass(classFor(source));
-    if (mOptions.turn.turns()) grid->transform().postMult(turnMatrix(mOptions.turn));
+    turnGrid(*grid, mOptions.turn);
     written.name = grid->getName();
     written.levelSet = grid->getGridClass() == openvdb::GRID_LEVEL_SET;
     written.voxelSize = grid->voxelSize()[0];

@@ -86,7 +86,7 @@ std::string creatorText(const std::optional<UpAxis>& up) {
 openvdb::GridBase::Ptr filed(const openvdb::GridBase& grid, const VdbWriteOptions& options) {
   openvdb::GridBase::Ptr copy = std::const_pointer_cast<openvdb::GridBase>(grid.copyGrid());
   for (const auto& [key, value] : options.metadata) copy->insertMeta(key, openvdb::StringMetadata(value));
-  if (options.turn.turns()) copy->transform().postMult(turnMatrix(options.turn));
+  turnGrid(*copy, options.turn);
   copy->setSaveFloatAsHalf(options.half);
   copy->setCreator(creatorText(options.up));
   return copy;

@@ -9,6 +9,7 @@
 #include "vdbtools/base/fractal_space.h"
 #include "vdbtools/control/control.h"
 
+#include <openvdb/tools/Morphology.h>
 #include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
@@ -168,6 +169,12 @@ PointAttributes::PointAttributes(const Scene& scene, const Vec3d& origin)
       case PointAttribute::Depth: addControl(distanceControl(scene.target.value().distances)); break;
       case PointAttribute::Tau: addControl(clampedControl(scene.target->thickness), true); break;
       case PointAttribute::Mask: addControl(scene.shellOptions().mask, true); break;
+      case PointAttribute::Velocity:
+        if (!scene.velocity) throw std::logic_error("velocities are wanted of a scene that has none");
+        add([&velocity = *scene.velocity](const Batch& batch, const Cells& cells) {
+          putVectors(velocity.at(batch.world), cells);
+        });
+        break;
     }
   if (options.transferred.empty()) return;
   if (!scene.target->mesh) throw std::logic_error("attributes are transferred from a mesh that is not there");
@@ -195,6 +202,12 @@ PointAttributes::PointAttributes(const Scene& scene, const Vec3d& origin)
       });
     }
   }
+}
+
+std::vector<Vec3d> PointAttributes::velocities(std::span<const Vec3d> points) const {
+  std::vector<Vec3d> moved(points.begin(), points.end());
+  for (Vec3d& point : moved) point += mOrigin;
+  return mScene.velocity->at(moved);
 }
 
 void PointAttributes::evaluate(std::span<const Vec3d> points, std::span<float> rows) const {
@@ -249,7 +262,58 @@ struct AttributeGrid {
   std::size_t offset;  ///< in a row
   std::optional<Part<FloatTree>> numbers;
   std::optional<Part<Vec3STree>> vectors;
+  bool reachesOn = false;  ///< whether it goes beyond the surface, as velocities do
 };
+
+using VectorLeaf = Vec3STree::LeafNodeType;
+
+/// Sets the velocities of the voxels of a leaf that have none.
+void fillVelocities(VectorLeaf& leaf, const PointAttributes& attributes, const FloatGrid& surface) {
+  std::vector<Vec3d> points;
+  for (auto value = leaf.cbeginValueOff(); value; ++value) points.push_back(surface.indexToWorld(value.getCoord()));
+  const std::vector<Vec3d> velocities = attributes.velocities(points);
+  std::size_t i = 0;
+  for (openvdb::Index n = 0; n < VectorLeaf::SIZE; ++n)
+    if (!leaf.isValueOn(n)) leaf.setValueOn(n, Vec3s(velocities[i++]));
+}
+
+/// Adds tiles of 8^3 voxels through which the surface moves in a frame before or after.
+void addVelocityTiles(Vec3STree& tree, const PointAttributes& attributes, const FloatGrid& surface,
+                      const Monitor& monitor) {
+  constexpr int kSide = VectorLeaf::DIM;
+  const openvdb::BBoxd box = surface.transform().indexToWorld(surface.evalActiveVoxelBoundingBox());
+  const double side = kSide * surface.voxelSize()[0];
+  const double farthest = 2 * longestSide(box);  // what moves farther in a frame is seen nowhere
+  const auto blockOf = [&](const Vec3d& world) {
+    return openvdb::Coord::floor(surface.worldToIndex(world) / static_cast<double>(kSide));
+  };
+  openvdb::MaskTree reached;  // a voxel stands for a block
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    const Vec3d middle = surface.indexToWorld(leaf->origin().asVec3d() + (kSide - 1) / 2.0);
+    Vec3d way = attributes.wayInFrame(Vec3d(leaf->getValue(VectorLeaf::SIZE / 2)));
+    if (const double length = way.length(); length > farthest) way *= farthest / length;
+    const int steps = static_cast<int>(way.length() / side) + 1;
+    for (int step = -steps; step <= steps; ++step) reached.setValueOn(blockOf(middle + way * step / steps));
+  }
+  openvdb::tools::dilateActiveValues(reached, 1, openvdb::tools::NN_FACE_EDGE_VERTEX);
+  std::vector<openvdb::Coord> blocks;
+  for (auto block = reached.cbeginValueOn(); block; ++block)
+    for (const openvdb::Coord& at : block.getBoundingBox())
+      if (const openvdb::Coord origin(at[0] * kSide, at[1] * kSide, at[2] * kSide); !tree.probeConstLeaf(origin))
+        blocks.push_back(origin);
+  std::vector<Vec3d> velocities(blocks.size());
+  constexpr std::size_t kBatch = 256;
+  inParallel((blocks.size() + kBatch - 1) / kBatch, 1, monitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t first = begin * kBatch; first < std::min(end * kBatch, blocks.size()); first += kBatch) {
+      std::vector<Vec3d> points;
+      for (std::size_t i = first; i < std::min(first + kBatch, blocks.size()); ++i)
+        points.push_back(surface.indexToWorld(blocks[i].asVec3d() + (kSide - 1) / 2.0));
+      const std::vector<Vec3d> found = attributes.velocities(points);
+      std::copy(found.begin(), found.end(), velocities.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+  });
+  for (std::size_t i = 0; i < blocks.size(); ++i) tree.addTile(1, blocks[i], Vec3s(velocities[i]), true);
+}
 
 }  // namespace
 
@@ -259,7 +323,8 @@ std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attrib
   std::vector<openvdb::GridBase::Ptr> grids;
   std::size_t offset = 0;
   for (const VertexColumn& column : attributes.columns()) {
-    AttributeGrid part{.offset = offset, .numbers = {}, .vectors = {}};
+    AttributeGrid part{
+        .offset = offset, .numbers = {}, .vectors = {}, .reachesOn = column.kind == ColumnKind::WorldVector};
     offset += componentsOf(column.kind);
     openvdb::GridBase::Ptr grid;
     if (column.kind == ColumnKind::Number) {
@@ -271,6 +336,7 @@ std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attrib
       part.vectors.emplace(surface.tree());
       grid = Vec3SGrid::create(part.vectors->tree);
       if (column.kind == ColumnKind::LinearRgb) grid->setVectorType(openvdb::VEC_INVARIANT);
+      if (column.kind == ColumnKind::WorldVector) grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
     }
     grid->setTransform(surface.transform().copy());
     grid->setName(column.name);
@@ -299,10 +365,14 @@ std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attrib
         else
           for (auto value = part.vectors->leaves->leaf(n).beginValueOn(); value; ++value, row += attributes.rowLength())
             value.setValue(Vec3s(row[0], row[1], row[2]));
+        if (part.reachesOn) fillVelocities(part.vectors->leaves->leaf(n), attributes, surface);
       }
       monitor.advance(1);
     }
   });
+  monitor.throwIfCancelled();
+  for (const AttributeGrid& part : parts)
+    if (part.reachesOn) addVelocityTiles(*part.vectors->tree, attributes, surface, monitor);
   return grids;
 }
 

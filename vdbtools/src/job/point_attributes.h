@@ -26,6 +26,10 @@ class PointAttributes {
   /// The columns of meshColumns().
   const std::vector<VertexColumn>& columns() const { return mColumns; }
   std::size_t rowLength() const { return mRowLength; }
+  /// The velocities of points, world units from the origin.
+  std::vector<openvdb::Vec3d> velocities(std::span<const openvdb::Vec3d> points) const;
+  /// How far a velocity goes in a frame, world units.
+  openvdb::Vec3d wayInFrame(const openvdb::Vec3d& velocity) const { return velocity * mScene.velocity->frame(); }
 
   /// Sets a row for each point, world units from the origin. A row depends on its point alone. Many threads may call it
   /// at once.
@@ -70,7 +74,9 @@ class AttributedSink final : public MeshSink {
 };
 
 /// The attributes as grids of the columns' names over the active voxels of @a surface: colours (of the vector type
-/// invariant) and vectors as Vec3SGrid, numbers as FloatGrid. Texture coordinates have no grid.
+/// invariant) and vectors as Vec3SGrid (world vectors of the type contravariant relative), numbers as FloatGrid.
+/// Texture coordinates have no grid. Velocities go beyond these voxels, as far as the surface moves in a frame: a
+/// renderer looks for the velocity at the place to which something moves. There they are tiles of 8^3 voxels.
 /// @throw Interrupted
 std::vector<openvdb::GridBase::Ptr> attributeGrids(const PointAttributes& attributes, const openvdb::FloatGrid& surface,
                                                    Monitor& monitor);

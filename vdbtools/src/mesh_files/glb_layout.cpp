@@ -40,6 +40,7 @@ const char* typeOf(ColumnKind kind) {
     case ColumnKind::Number: return "SCALAR";
     case ColumnKind::TextureCoordinate: return "VEC2";
     case ColumnKind::Vector:
+    case ColumnKind::WorldVector:
     case ColumnKind::LinearRgb: return "VEC3";
   }
   throw std::logic_error("a kind of column that does not exist");
@@ -65,10 +66,11 @@ OrderedJson addVertexAccessors(const GlbContent& content, const MeshWriteOptions
   if (content.normals) add("NORMAL", "VEC3", kVectorSize);
   int colours = 0, coordinates = 0;
   for (const VertexColumn& column : options.columns) {
-    const std::string name = column.kind == ColumnKind::LinearRgb ? "COLOR_" + std::to_string(colours++)
-                             : column.kind == ColumnKind::TextureCoordinate
-                                 ? "TEXCOORD_" + std::to_string(coordinates++)
-                                 : '_' + column.name;
+    std::string name = column.kind == ColumnKind::LinearRgb           ? "COLOR_" + std::to_string(colours++)
+                       : column.kind == ColumnKind::TextureCoordinate ? "TEXCOORD_" + std::to_string(coordinates++)
+                                                                      : '_' + column.name;
+    if (column.kind == ColumnKind::WorldVector)
+      for (char& c : name) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     add(name, typeOf(column.kind), componentsOf(column.kind) * sizeof(float));
   }
   return attributes;

@@ -38,7 +38,8 @@ void requirePoints(std::span<const Vec3I> triangles, std::uint64_t first, std::u
 /// Takes batches to the axes and the unit of the file, one at a time.
 class BatchTurner {
  public:
-  explicit BatchTurner(const MeshWriteOptions& options) : mTurn(options.turn), mScale(options.scale) {}
+  explicit BatchTurner(const MeshWriteOptions& options)
+      : mTurn(options.turn), mScale(options.scale), mColumns(options.columns) {}
 
   /// The result is valid until the next call.
   PointBatch operator()(const PointBatch& batch) {
@@ -47,14 +48,18 @@ class BatchTurner {
     mNormals.assign(batch.normals.begin(), batch.normals.end());
     for (Vec3d& position : mPositions) position = mTurn(position) * mScale;
     for (Vec3s& normal : mNormals) normal = mTurn(normal);
-    return {mPositions, mNormals, batch.values};
+    mValues.assign(batch.values.begin(), batch.values.end());
+    turnWorldVectors(mValues, mColumns, mTurn, mScale);
+    return {mPositions, mNormals, mValues};
   }
 
  private:
   UpTurn mTurn;
   double mScale;
+  std::vector<VertexColumn> mColumns;
   std::vector<Vec3d> mPositions;
   std::vector<Vec3s> mNormals;
+  std::vector<float> mValues;
 };
 
 /// @throw std::invalid_argument
@@ -65,6 +70,20 @@ std::unique_ptr<MeshEncoder> encoderOf(const MeshWriteOptions& options) {
 }
 
 }  // namespace
+
+void turnWorldVectors(std::span<float> values, std::span<const VertexColumn> columns, const UpTurn& turn,
+                      double scale) {
+  const std::size_t row = rowLength(columns);
+  std::size_t offset = 0;
+  for (const VertexColumn& column : columns) {
+    if (column.kind == ColumnKind::WorldVector)
+      for (std::size_t i = offset; i + 2 < values.size(); i += row) {
+        const Vec3d turned = turn(Vec3d(values[i], values[i + 1], values[i + 2])) * scale;
+        for (std::size_t k = 0; k < 3; ++k) values[i + k] = static_cast<float>(turned[static_cast<int>(k)]);
+      }
+    offset += componentsOf(column.kind);
+  }
+}
 
 std::vector<std::string> columnsLeftOut(const FileFormat& format, std::span<const VertexColumn> columns) {
   const auto fits = [&](ColumnKind kind) {

@@ -25,7 +25,9 @@ std::string properties(const char* type, std::initializer_list<std::string> name
 std::string propertiesOf(const VertexColumn& column) {
   switch (column.kind) {
     case ColumnKind::Number: return properties("float", {column.name});
-    case ColumnKind::Vector: return properties("float", {column.name + "_x", column.name + "_y", column.name + "_z"});
+    case ColumnKind::Vector:
+    case ColumnKind::WorldVector:
+      return properties("float", {column.name + "_x", column.name + "_y", column.name + "_z"});
     case ColumnKind::LinearRgb: return properties("uchar", {"red", "green", "blue"});
     case ColumnKind::TextureCoordinate: return properties("float", {"s", "t"});
   }

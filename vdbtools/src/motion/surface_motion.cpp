@@ -35,10 +35,10 @@ struct CornerPairs {
 };
 
 /// @throw DataError  the faces differ
-CornerPairs cornersOf(const Mesh& from, const Mesh& to, const std::string& other) {
+CornerPairs cornersOf(const Mesh& from, const Mesh& to, const std::string& name) {
   if (from.triangles.size() != to.triangles.size())
-    throw DataError("the target has " + std::to_string(from.triangles.size()) + " triangles, and " + other +
-                    " it has " + std::to_string(to.triangles.size()) + "; give meshes with the same faces");
+    throw DataError("the target has " + std::to_string(from.triangles.size()) + " triangles, and " + name + " has " +
+                    std::to_string(to.triangles.size()) + "; give meshes with the same faces");
   // Polygons of moved points may be cut into other triangles; their corners are found by their numbers. Files without
   // numbers, such as STL, have the same order of triangles only.
   const bool numbered = from.points.size() == to.points.size();
@@ -51,8 +51,9 @@ CornerPairs cornersOf(const Mesh& from, const Mesh& to, const std::string& other
       for (int k = 0; k < 3; ++k)
         for (int j = 0; j < 3; ++j) shared += a[k] == same[j];
       if (shared < 1)
-        throw DataError("triangle " + std::to_string(i + 1) + " of the target has other corners " + other +
-                        "; give meshes with the same faces, in the same order");
+        throw DataError(
+            "triangle " + std::to_string(i + 1) + " of " + name +
+            " has other corners than that of the target; give meshes with the same faces, in the same order");
     }
     for (int k = 0; k < 3; ++k) {
       pairs.from.push_back(from.points[a[k]]);
@@ -138,9 +139,9 @@ Mat3d nearestRotation(const Mat3d& m) {
 
 /// The affine map that fits best. It shears only as far as the surface agrees: a surface that bends is turned, moved
 /// and scaled.
-AffineMap overallOf(const CornerPairs& pairs) {
+AffineMap overallOf(const CornerPairs& pairs, const std::string& name) {
   const Moments m = momentsOf(pairs);
-  if (!(m.spread > 0)) throw DataError("the mesh at rest has no extent; check the file");
+  if (!(m.spread > 0)) throw DataError(name + " has no extent; check the file");
   const Mat3d turn = nearestRotation(m.across);
   const double scale = trace(turn.transpose() * m.across) / trace(m.own);
   AffineMap map{turn * (scale > 0 ? scale : std::sqrt(m.spread / trace(m.own))), {}};
@@ -160,7 +161,7 @@ AffineMap overallOf(const CornerPairs& pairs) {
 }
 
 /// @throw DataError  one of two solids is turned inside out
-void requireOneSide(const CornerPairs& pairs, const AffineMap& overall, const std::string& other) {
+void requireOneSide(const CornerPairs& pairs, const AffineMap& overall, const std::string& name) {
   const double from = volumeOf(pairs.from, pairs.from.front()) * overall.matrix.det();
   const double to = volumeOf(pairs.to, pairs.to.front());
   // A surface that is no solid has a volume by chance.
@@ -169,8 +170,8 @@ void requireOneSide(const CornerPairs& pairs, const AffineMap& overall, const st
   constexpr double kSolid = 1e-3;
   const double least = kSolid * box.extents().product();
   if (std::abs(to) > least && std::abs(from) > least && (from < 0) != (to < 0))
-    throw DataError("the target is turned inside out " + other + ": its volume is " + shortText(to) + " there, and " +
-                    shortText(volumeOf(pairs.from, pairs.from.front())) + " in its pose; check the points");
+    throw DataError(name + " is turned inside out: its volume is " + shortText(to) + ", and the target's is " +
+                    shortText(volumeOf(pairs.from, pairs.from.front())) + "; check the points");
 }
 
 /// The largest of the values, but for a part of their weights.
@@ -207,8 +208,11 @@ struct SearchUnits {
 };
 
 struct SurfaceMotion::Parts {
-  explicit Parts(const CornerPairs& pairs)
-      : overall(overallOf(pairs)), fromUnits(pairs.from), toUnits(pairs.to), linear(overall.matrix * toUnits.scale) {}
+  Parts(const CornerPairs& pairs, const std::string& name)
+      : overall(overallOf(pairs, name)),
+        fromUnits(pairs.from),
+        toUnits(pairs.to),
+        linear(overall.matrix * toUnits.scale) {}
 
   Image image(const Vec3I& t, const Vec3d& w, const Vec3d& at) const;
 
@@ -227,22 +231,22 @@ SurfaceMotion::~SurfaceMotion() = default;
 namespace {
 
 /// @throw DataError  the surfaces are of quite different sizes
-void requireOneUnit(const SearchUnits& fromUnits, const SearchUnits& toUnits, const std::string& other) {
+void requireOneUnit(const SearchUnits& fromUnits, const SearchUnits& toUnits, const std::string& name) {
   constexpr double kMost = 30;
   const double times = fromUnits.scale / toUnits.scale;
   if (times > kMost || times < 1 / kMost)
-    throw DataError("the target is " + shortText(times > 1 ? times : 1 / times) + " times as " +
-                    (times > 1 ? "large " : "small ") + other + " as in its pose; give both in the same unit");
+    throw DataError(name + " is " + shortText(times > 1 ? times : 1 / times) + " times as " +
+                    (times > 1 ? "large" : "small") + " as the target; give both in the same unit");
 }
 
 }  // namespace
 
-SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& other) {
-  const CornerPairs pairs = cornersOf(from, to, other);
-  mParts = std::make_unique<Parts>(pairs);
+SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& name) {
+  const CornerPairs pairs = cornersOf(from, to, name);
+  mParts = std::make_unique<Parts>(pairs, name);
   Parts& parts = *mParts;
-  requireOneSide(pairs, parts.overall, other);
-  requireOneUnit(parts.fromUnits, parts.toUnits, other);
+  requireOneSide(pairs, parts.overall, name);
+  requireOneUnit(parts.fromUnits, parts.toUnits, name);
 
   // Vertices are the same if they lie together in both surfaces.
   std::map<std::array<double, 6>, std::uint32_t> vertices;

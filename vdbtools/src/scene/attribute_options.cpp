@@ -16,8 +16,8 @@ struct Known {
   VertexColumn column;
 };
 
-const std::array<Known, 7>& known() {
-  static const std::array<Known, 7> all = {{
+const std::array<Known, 8>& known() {
+  static const std::array<Known, 8> all = {{
       {PointAttribute::Cd, {"Cd", ColumnKind::LinearRgb}},
       {PointAttribute::Direction, {"direction", ColumnKind::Vector}},
       {PointAttribute::Trap, {"trap", ColumnKind::Number}},
@@ -25,6 +25,7 @@ const std::array<Known, 7>& known() {
       {PointAttribute::Depth, {"depth", ColumnKind::Number}},
       {PointAttribute::Tau, {"tau", ColumnKind::Number}},
       {PointAttribute::Mask, {"mask", ColumnKind::Number}},
+      {PointAttribute::Velocity, {"velocity", ColumnKind::WorldVector}},
   }};
   return all;
 }
@@ -54,7 +55,8 @@ void parseTransferred(const RecipeReader& reader, const std::string& option, Att
 std::vector<std::string> namesInFiles(const VertexColumn& column) {
   switch (column.kind) {
     case ColumnKind::Number: return {column.name};
-    case ColumnKind::Vector: return {column.name, column.name + "_x", column.name + "_y", column.name + "_z"};
+    case ColumnKind::Vector:
+    case ColumnKind::WorldVector: return {column.name, column.name + "_x", column.name + "_y", column.name + "_z"};
     case ColumnKind::LinearRgb: return {column.name, "red", "green", "blue"};
     case ColumnKind::TextureCoordinate: return {column.name, "s", "t"};
   }

@@ -18,7 +18,9 @@ void requireSources(const RecipeReader& reader, const FractalOptions& options) {
     reader.refuse("attributes", "without 'mask', as the map has no option --mask");
   if (options.target) return;
   constexpr const char* kNoTarget = ", as there is no target; give a mesh or a VDB, or leave it out";
-  for (const auto& [attribute, name] : {std::pair(PointAttribute::Depth, "depth"), {PointAttribute::Tau, "tau"}})
+  for (const auto& [attribute, name] : {std::pair(PointAttribute::Depth, "depth"),
+                                        {PointAttribute::Tau, "tau"},
+                                        {PointAttribute::Velocity, "velocity"}})
     if (attributes.has(attribute)) reader.refuse("attributes", std::string("without '") + name + "'" + kNoTarget);
   if (attributes.colour && attributes.colour->by == FieldColour::Depth)
     reader.refuse("colour", std::string("something else than depth") + kNoTarget);
@@ -86,6 +88,7 @@ OptionTable fractalOptionTable(const MapRegistry& maps) {
   };
   add(targetOptionSpecs());
   add(restOptionSpecs());
+  add(velocityOptionSpecs());
   add({maps.option()});
   add(spaceOptionSpecs());
   add(latticeOptionSpecs());
@@ -115,6 +118,7 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
   for (const VertexColumn& column : meshColumns(options.output.attributes)) grids.push_back(column.name);
   options.output.gridNames = parseGridNames(reader.text("grid-names"), grids);
   requireSources(reader, options);
+  options.velocity = parseVelocityOptions(reader, options.target);
   if (options.rest && !options.map->shell())
     reader.refuse("map", "shape-modulus, as only its fractal follows a target that moves");
   if (options.lattice.automatic && !options.map->shell())
@@ -142,6 +146,10 @@ void requireTarget(const FractalOptions& options) {
   if (options.map->shell() && !options.target)
     throw std::invalid_argument(
         "there is no target, which the map needs: give a mesh, or a VDB with its signed distance");
+  if (options.velocity && !options.velocity->isKnown())
+    throw std::invalid_argument(
+        "--attributes is to have 'velocity', and nothing says how the target moves; give the mesh of a neighbouring "
+        "frame as --target-before or --target-after, --target-frame for an animated glTF, or a sequence of inputs");
 }
 
 }  // namespace vdbtools

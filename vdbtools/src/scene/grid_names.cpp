@@ -20,7 +20,7 @@ struct Naming {
 
 /// The names in the documentation of the programs (docs/handoff.md). All of them call densities "density".
 const std::vector<Naming>& namings() {
-  static const std::vector<Naming> all = {{"houdini", {{"phi", "surface"}}},
+  static const std::vector<Naming> all = {{"houdini", {{"phi", "surface"}, {"velocity", "v"}}},
                                           {"blender", {{"phi", "surface"}, {"Cd", "color"}}},
                                           {"unreal", {{"phi", "surface"}, {"Cd", "color"}}},
                                           {"arnold", {{"phi", "surface"}, {"Cd", "color"}}}};

@@ -26,7 +26,7 @@ TargetPose openPose(const FractalOptions& options, const TargetInput& atRest, co
                     Monitor& monitor) {
   TargetPose pose{.input = open(*options.target, monitor), .motion = {}};
   pose.motion = std::make_shared<SurfaceMotion>(requireMesh(pose.input->mesh(), "in its pose"),
-                                                requireMesh(atRest.mesh(), "at rest"), options.rest->depth, "at rest");
+                                                requireMesh(atRest.mesh(), "at rest"), options.rest->depth);
   return pose;
 }
 
@@ -46,6 +46,7 @@ void poseScene(Scene& scene, const FractalOptions& options, const TargetPose& po
   target.distances = distances;
   target.volume = insideVolume(*distances.phi);
   if (target.mesh) target.mesh = pose.input->mesh();
+  scene.velocity = velocityOf(options, pose.input->mesh());
   scene.field.deformation = std::move(posed.deformation);
   scene.field.evaluator = carriedAlong(std::move(scene.field.evaluator), scene.field.deformation);
 

@@ -144,6 +144,9 @@ std::vector<NamedFile> filesOf(const FractalOptions& options) {
   std::vector<NamedFile> files = options.map->files();
   if (options.target && !options.target->mesh) files.push_back(options.target->input);
   if (options.rest && options.rest->file && !options.rest->mesh) files.push_back(*options.rest->file);
+  if (options.velocity)
+    for (const std::optional<NamedFile>& file : {options.velocity->before, options.velocity->after})
+      if (file) files.push_back(*file);
   const std::optional<ColourChoice>& colour = options.output.attributes.colour;
   if (colour && colour->picture) files.push_back(*colour->picture);
   return files;
@@ -169,6 +172,13 @@ std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const
       require(name.c_str());
   }
   return mesh;
+}
+
+std::shared_ptr<const SurfaceVelocity> velocityOf(const FractalOptions& options,
+                                                  const std::shared_ptr<const Mesh>& now) {
+  if (!options.velocity) return nullptr;
+  const MotionDepth depth = options.rest ? options.rest->depth : MotionDepth::Stretched;
+  return surfaceVelocity(*options.velocity, options.target.value(), now, depth);
 }
 
 struct SceneMaker::Shared {
@@ -269,6 +279,7 @@ BBoxd setTarget(Scene& scene, SharedTarget& shared, Monitor& monitor) {
   if (scene.chosenSdfResolution) scene.options.target->sdfVoxels = VoxelChoice{.resolution = scene.chosenSdfResolution};
   SceneTarget& target = scene.target.emplace();
   target.mesh = transferredMesh(options, shared.input());
+  scene.velocity = velocityOf(options, shared.input().mesh());
   const ShellSettings* const shell = options.map->shell();
   const PlacedTarget placed = shell ? placeShell(exponentSources(options, *shell, scene.metadata), shared, monitor)
                                     : placeTarget(options, shared, monitor);
@@ -325,6 +336,7 @@ Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   FractalOptions atRest = options;
   atRest.target = mShared->targetAtRest(options);
   atRest.rest.reset();
+  atRest.velocity.reset();
   atRest.lattice.box.reset();
   Metadata hashes;
   const TargetInput& rest = mShared->over(atRest, hashes, monitor).input();

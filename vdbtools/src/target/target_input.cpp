@@ -319,6 +319,7 @@ const OptionRows<TargetOptions>& targetRows() {
       {{.name = "input",
         .argument = "MESH|SDF.vdb",
         .help = "the target: a mesh, or a VDB that holds its signed distance or a volume",
+        .displaces = {"target-before", "target-after"},
         .hash = "source-sha256"},
        parsed(&TargetOptions::input,
               [](const RecipeReader& reader, const std::string& name) { return reader.file(name); })},

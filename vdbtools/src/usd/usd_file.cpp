@@ -178,6 +178,12 @@ void writeMeshPrim(std::ostream& stream, const UsdMeshes& meshes) {
   writeMeshAttribute(stream, meshes, "point3f[] points", points, [&](const Mesh& mesh) {
     return [&](std::size_t i) { stream << tupleOf(openvdb::Vec3s(mesh.points[i] - centre)); };
   });
+  if (meshes.hasVelocities)
+    writeMeshAttribute(stream, meshes, "vector3f[] velocities", points, [&](const Mesh& mesh) {
+      const auto &x = attributeOf(mesh, "velocity_x")->values, &y = attributeOf(mesh, "velocity_y")->values,
+                 &z = attributeOf(mesh, "velocity_z")->values;
+      return [&](std::size_t i) { stream << tupleOf(openvdb::Vec3s(x[i], y[i], z[i])); };
+    });
   if (meshes.hasNormals)
     writeMeshAttribute(
         stream, meshes, "normal3f[] normals", [](const Mesh& mesh) { return mesh.normals.size(); },

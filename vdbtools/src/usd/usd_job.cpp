@@ -15,6 +15,7 @@
 #include "vdbtools/usd/usd_file.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -121,6 +122,11 @@ class MeshReader {
       throw DataError("'" + path.string() + "' has " + (hasColours ? "" : "no ") +
                       "colours, unlike the first frame; make all frames in the same way");
     mMeshes.hasColours = hasColours;
+    const bool hasVelocities = velocitiesOf(mMesh)[0] != nullptr;
+    if (mEntries.size() > 1 && hasVelocities != mMeshes.hasVelocities)
+      throw DataError("'" + path.string() + "' has " + (hasVelocities ? "" : "no ") +
+                      "velocities, unlike the first frame; make all frames in the same way");
+    mMeshes.hasVelocities = hasVelocities;
     mMeshes.hasNormals = true;
     mMeshes.frames.push_back(number);
     openvdb::BBoxd& box = mMeshes.boxes.emplace_back();
@@ -159,6 +165,17 @@ class MeshReader {
     return attribute.name == "red" || attribute.name == "green" || attribute.name == "blue";
   }
 
+  /// The attributes velocity_x, velocity_y and velocity_z, or VELOCITY_x and so on, as in a GLB; three times nullptr if
+  /// the mesh lacks one of them.
+  static std::array<VertexAttribute*, 3> velocitiesOf(Mesh& mesh) {
+    std::array<VertexAttribute*, 3> parts{};
+    for (VertexAttribute& attribute : mesh.attributes)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const char* name : {"velocity_", "VELOCITY_"})
+          if (attribute.name == std::string(name) + "xyz"[axis]) parts[axis] = &attribute;
+    return parts[0] && parts[1] && parts[2] ? parts : std::array<VertexAttribute*, 3>{};
+  }
+
   /// The mesh in the axes and the unit of the scene, with normals, and with colours as linear light.
   const Mesh& read(std::size_t index, UpAxis up) {
     const Entry& entry = mEntries[index];
@@ -166,6 +183,16 @@ class MeshReader {
     mMesh = readMesh(entry.path);
     const UpTurn turn(entry.recorded.value_or(up), up);
     for (openvdb::Vec3d& point : mMesh.points) point = turn(point) * entry.scale;
+    if (const auto velocity = velocitiesOf(mMesh); velocity[0]) {
+      for (std::size_t axis = 0; axis < 3; ++axis) velocity[axis]->name = std::string("velocity_") + "xyz"[axis];
+      for (std::size_t i = 0; i < mMesh.points.size(); ++i) {
+        const auto& [x, y, z] = velocity;
+        const openvdb::Vec3s turned(turn(openvdb::Vec3d(x->values[i], y->values[i], z->values[i])) * entry.scale);
+        x->values[i] = turned[0];
+        y->values[i] = turned[1];
+        z->values[i] = turned[2];
+      }
+    }
     computeNormals(mMesh);
     if (const FileFormat* const format = formatOfMesh(entry.path); !format || !format->linearLight)
       for (VertexAttribute& attribute : mMesh.attributes)

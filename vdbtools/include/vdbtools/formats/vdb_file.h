@@ -32,7 +32,8 @@ struct VdbWriteOptions {
   /// The axis that points up in the file; none if the file is for this program alone. It decides the text "creator" of
   /// the file's metadata: Blender assumes Y up if that begins with "Houdini".
   std::optional<UpAxis> up{};
-  /// Rotates the grids to these axes through their transforms alone: values, including vectors, stay unchanged.
+  /// Rotates the grids to these axes through their transforms alone. Values stay unchanged, except vectors of the type
+  /// VEC_CONTRAVARIANT_RELATIVE, which are turned too.
   UpTurn turn{};
   /// The names that grids have in the file, by their own names; grids that are not listed keep theirs.
   std::map<std::string, std::string> names{};

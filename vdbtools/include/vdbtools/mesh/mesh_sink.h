@@ -20,7 +20,8 @@ namespace vdbtools {
 
 enum class ColumnKind {
   Number,
-  Vector,             ///< three components
+  Vector,             ///< three components, the same in all files
+  WorldVector,        ///< three components in the axes and the unit of the positions, with which files change them
   LinearRgb,          ///< a colour: three components, with the primaries of sRGB; 0 to 1
   TextureCoordinate,  ///< two components
 };
@@ -36,6 +37,7 @@ constexpr std::size_t componentsOf(ColumnKind kind) {
     case ColumnKind::Number: return 1;
     case ColumnKind::TextureCoordinate: return 2;
     case ColumnKind::Vector:
+    case ColumnKind::WorldVector:
     case ColumnKind::LinearRgb: return 3;
   }
   return 0;

@@ -44,19 +44,25 @@ struct MeshWriteOptions {
   /// sRGB), texture coordinates as s and t, vectors as NAME_x, NAME_y, NAME_z, and numbers by their names. An OBJ has a
   /// colour after each position (sRGB, 0 to 1) and texture coordinates as vt; it drops the other columns, and STL drops
   /// all of them. A GLB has colours as COLOR_0 (linear, 0 to 1), texture coordinates as TEXCOORD_0, with v counted from
-  /// the top of the picture, and vectors and numbers as _NAME.
+  /// the top of the picture, vectors and numbers as _name, and world vectors as _NAME in capitals.
   std::vector<VertexColumn> columns{};
   /// The recipe, as comment lines "juliavdb KEY VALUE" in PLY and OBJ, and as the extras of the asset in GLB. An STL
   /// has room for the unit alone (kLengthUnit), in its title.
   FileTexts comments{};
-  /// Rotates points, normals and the box to the axes of the file; columns stay unchanged.
+  /// Rotates points, normals, world vectors and the box to the axes of the file; other columns stay unchanged.
   UpTurn turn{};
-  /// Multiplies positions, and the box with them, for a file whose unit is another one; columns stay unchanged.
+  /// Multiplies positions, the box and world vectors for a file whose unit is another one; other columns stay
+  /// unchanged.
   double scale = 1;
   /// Levels of detail that a GLB has in addition to the mesh, as fractions of its triangles. They require holding the
   /// whole mesh in memory. Other formats have none.
   std::vector<double> levels{};
 };
+
+/// Takes the world vectors among the values of columns to other axes and another unit.
+/// @param values  row by row
+void turnWorldVectors(std::span<float> values, std::span<const VertexColumn> columns, const UpTurn& turn,
+                      double scale = 1);
 
 /// The names of the columns that a file of the format cannot hold, also one of grids.
 std::vector<std::string> columnsLeftOut(const FileFormat& format, std::span<const VertexColumn> columns);

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,10 +41,10 @@ struct AffineMap {
 
 class SurfaceMotion {
  public:
-  /// @param other  when the target is in the other place, for errors: "at rest"
+  /// @param name  of the second mesh, for errors
   /// @throw DataError  the meshes do not have the same triangles, one is turned inside out or has no area, or their
   ///                   sizes are of different units
-  SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& other);
+  SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& name = "the mesh at rest");
   ~SurfaceMotion();
 
   /// The map that fits best to all of the surface. Where it is the whole truth, rho equals it, up to rounding.

@@ -25,6 +25,7 @@ enum class PointAttribute {
   Depth,       ///< the distance from the target's surface, world units, negative inside
   Tau,         ///< the target's local thickness, world units
   Mask,        ///< the value of --mask
+  Velocity,    ///< of the target's surface that carries the point, world units per second
 };
 
 struct AttributeOptions {

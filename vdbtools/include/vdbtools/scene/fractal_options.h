@@ -7,6 +7,7 @@
 #include "vdbtools/field/lattice_options.h"
 #include "vdbtools/maps/map_registry.h"
 #include "vdbtools/motion/rest_options.h"
+#include "vdbtools/motion/velocity_options.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
@@ -38,7 +39,8 @@ struct OutputOptions {
 
 struct FractalOptions {
   std::optional<TargetOptions> target;
-  std::optional<RestOptions> rest{};  ///< where its points are at rest; none: the target does not move
+  std::optional<RestOptions> rest{};          ///< where its points are at rest; none: the target does not move
+  std::optional<VelocityOptions> velocity{};  ///< if velocities are wanted
   SpaceOptions space;
   std::shared_ptr<const MapSettings> map;
   LatticeOptions lattice;
@@ -64,7 +66,8 @@ bool dropsCrumbs(const FractalOptions& options);
 /// Whether islands are looked for, to drop some.
 bool dropsIslands(const FractalOptions& options);
 
-/// @throw std::invalid_argument  there is no target, and the map makes its fractal around one
+/// @throw std::invalid_argument  there is no target, and the map makes its fractal around one; or velocities are
+///                               wanted, and nothing says how it moves
 void requireTarget(const FractalOptions& options);
 
 }  // namespace vdbtools

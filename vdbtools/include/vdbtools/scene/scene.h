@@ -110,6 +110,7 @@ struct Scene {
   std::optional<double> chosenSdfResolution;  ///< for the target's distances, if it was not given; the options have it
   SceneField field;
   std::optional<SceneAtRest> rest{};  ///< if the target has moved; target and domain are those of its pose
+  std::shared_ptr<const SurfaceVelocity> velocity{};  ///< of the target, if it is wanted
   Metadata metadata;
 
   FieldSource source() const { return {*field.evaluator, field.space}; }
@@ -161,6 +162,11 @@ Scene makeScene(const FractalOptions& options, Monitor& monitor);
 /// The target's mesh if any of its attributes are transferred; otherwise nullptr.
 /// @throw DataError  the target is a VDB, or its mesh has no such attribute at each point
 std::shared_ptr<const Mesh> transferredMesh(const FractalOptions& options, const TargetInput& input);
+
+/// How the target moves; nullptr if that is not wanted. @param now  its mesh
+/// @throw as surfaceVelocity()
+std::shared_ptr<const SurfaceVelocity> velocityOf(const FractalOptions& options,
+                                                  const std::shared_ptr<const Mesh>& now);
 
 /// The files that the options name: those whose hashes are recorded.
 std::vector<NamedFile> filesOf(const FractalOptions& options);

@@ -41,7 +41,8 @@ struct UsdMeshes {
   std::vector<std::optional<int>> frames;  ///< one without a number, or any number of them in ascending order
   std::vector<openvdb::BBoxd> boxes;       ///< of each, in the axes of the scene
   bool hasNormals = false;
-  bool hasColours = false;  ///< the attributes red, green and blue, as linear light
+  bool hasColours = false;     ///< the attributes red, green and blue, as linear light
+  bool hasVelocities = false;  ///< the attributes velocity_x, velocity_y and velocity_z, in the axes of the scene
   /// The mesh at a place of the list, in the axes of the scene. The scene asks for each of them several times, one
   /// after the other, and the result is valid until the next call.
   std::function<const Mesh&(std::size_t)> at;
