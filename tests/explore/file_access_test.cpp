@@ -65,7 +65,8 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
           // The names of a grid, of attributes and of an animation are any text; other maps' options are kept, and read
           // by nobody.
           EXPECT_TRUE(spec->name == "grid" || spec->name == "transfer" || spec->name == "target-animation" ||
-                      (spec->name == "grain" && text.starts_with("paint:")) || spec->kept)
+                      spec->name == "rest-attribute" || (spec->name == "grain" && text.starts_with("paint:")) ||
+                      spec->kept)
               << map->name() << " --" << spec->name << ' ' << text;
           continue;
         }

@@ -98,6 +98,7 @@ bool hasRest(const Recipe& recipe) {
 }
 
 std::optional<RestOptions> parseRestOptions(const RecipeReader& reader, const std::optional<TargetOptions>& target) {
+  const RestText text = restRows().read(reader);
   const char* given = nullptr;
   for (const char* option : kRestOptions) {
     if (!reader.has(option)) continue;
@@ -112,7 +113,6 @@ std::optional<RestOptions> parseRestOptions(const RecipeReader& reader, const st
   if (!target->mesh && isVdbPath(target->input.path))
     throw std::invalid_argument(std::string("--") + given + " is for the points of a mesh, and the target '" +
                                 target->input.path.string() + "' is a VDB; give the mesh");
-  const RestText text = restRows().read(reader);
   RestOptions rest{.depth = text.depth};
   if (reader.has("rest")) {
     rest.file = reader.file("rest");

@@ -107,8 +107,8 @@ class TargetInput {
   /// @throw DataError, Interrupted
   virtual Target band(const Target& distances, const BandWidths& widths, Monitor& monitor) const = 0;
 
-  /// The target with its distances in a band of these widths, on a lattice with voxels of another size; a plate or balls
-  /// that would be lost there keep the voxels of the distances.
+  /// The target with its distances in a band of these widths, on a lattice with voxels of another size; a plate or
+  /// balls that would be lost there keep the voxels of the distances.
   /// @throw std::logic_error  the target is a VDB
   /// @throw DataError, Interrupted
   virtual Target bandOf(double voxel, const BandWidths& widths, Monitor& monitor) const = 0;
