@@ -133,6 +133,12 @@ class Draw:
         same = self.chance.choice(pieces) if self.chance.random() < 0.5 else None
         return ", ".join((same or self.chance.choice(pieces)).format(*axis) for axis in axes)
 
+    def moved(self):
+        """The target at another moment, if it has one."""
+        if not self.target or self.target.kind in ("vdb", "cloud"):
+            return "ball.obj"
+        return self.chance.choice(["moved_", "moved_", "moved_", ""]) + self.target.name
+
     def values(self):
         """By the name of an option, a function that draws its value."""
         chance = self.chance
@@ -161,8 +167,10 @@ class Draw:
             "tolerance": lambda: self.power_of_ten(-9, -0.35), "adaptivity": lambda: self.power_of_ten(-2, 0.6),
             "crumbs": lambda: chance.choice(["drop", "keep"]),
             "largest": lambda: str(chance.randint(0, 4)), "min-size": length(0, 0.2), "lod": self.levels,
-            "attributes": lambda: self.some(("Cd", "direction", "trap", "iterations", "depth", "tau", "mask"), 4),
+            "attributes": lambda: self.some(("Cd", "direction", "trap", "iterations", "depth", "tau", "mask", "velocity"), 4),
             "colour": self.colour, "transfer": self.transferred,
+            "rest": self.moved, "target-before": self.moved, "target-after": self.moved,
+            "rest-attribute": lambda: "rest", "rest-frame": lambda: self.number(0, 9), "fps": lambda: self.number(1, 60),
             "grids": lambda: self.some(("surface", "density", "logmodulus", "iterations", "versor")),
             "repair-gap": length(0, 0.15), "thicken": length(0.12, 0.4), "points-radius": length(0.12, 0.3),
             "solidify": lambda: chance.choice(["", "y:", "z:"]) + self.number(0.2 * size, size),

@@ -42,6 +42,18 @@ def stretched(mesh, factors):
     return [tuple(x * f for x, f in zip(p, factors)) for p in mesh[0]], mesh[1]
 
 
+def twisted(mesh):
+    """Turned about Y, by more the higher it is, and moved."""
+    low, high = (tuple(f(p[axis] for p in mesh[0]) for axis in range(3)) for f in (min, max))
+    size, middle = max(h - l for l, h in zip(low, high)), tuple((l + h) / 2 for l, h in zip(low, high))
+    points = []
+    for p in mesh[0]:
+        x, y, z = (a - m for a, m in zip(p, middle))
+        c, s = math.cos(0.6 * y / size), math.sin(0.6 * y / size)
+        points.append((middle[0] + c * x - s * z + 0.1 * size, p[1], middle[2] + s * x + c * z))
+    return points, mesh[1]
+
+
 def spikes():
     """A ball whose points are drawn out to needles."""
     points, faces = harness.sphere(2)
@@ -111,6 +123,9 @@ def make(folder):
         points = mesh[0]
         data = encode(mesh) if content is None else content
         (folder / name).write_bytes(data.encode() if isinstance(data, str) else data)
+        if content is None:
+            other = encode(twisted(mesh))
+            (folder / ("moved_" + name)).write_bytes(other.encode() if isinstance(other, str) else other)
         low, high = (tuple(f(p[axis] for p in points) for axis in range(3)) for f in (min, max))
         targets.append(Target(name, low, high, **more))
 
