@@ -658,7 +658,7 @@ class Addon(unittest.TestCase):
         for name, height in (("now", 0), ("later", 1)):
             bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1, location=(0, 0, 0))
             ball = bpy.context.object
-            points, triangles, attributes = self.addon.meshes.to_arrays(ball, bpy.context)
+            points, triangles, attributes, *_ = self.addon.meshes.to_arrays(ball, bpy.context)
             bpy.data.objects.remove(ball)
             points = self.addon.meshes.z_up_to_y_up(points + numpy.array([0, 0, height]))
             (self.folder / f"{name}.ply").write_bytes(self.addon.ply.encoded(points, triangles, attributes))
