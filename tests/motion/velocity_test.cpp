@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Velocities of surfaces whose motion is known.
-#include "vdbtools/motion/surface_velocity.h"
+#include "vdbtools/motion/surface_motion.h"
 
 #include "support/test_meshes.h"
 

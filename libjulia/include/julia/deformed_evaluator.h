@@ -8,7 +8,6 @@
 #include "julia/evaluator.h"
 
 #include <memory>
-#include <optional>
 #include <span>
 
 namespace julia {

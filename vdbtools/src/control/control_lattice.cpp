@@ -192,6 +192,22 @@ const VertexAttribute& requireAttribute(const Mesh& mesh, const std::string& nam
   return *found;
 }
 
+std::array<const VertexAttribute*, 3> requireVector(const Mesh& mesh, const std::string& name,
+                                                    const std::string& option) {
+  const auto isThere = [&](const std::string& wanted) {
+    return std::any_of(mesh.attributes.begin(), mesh.attributes.end(),
+                       [&](const VertexAttribute& attribute) { return attribute.name == wanted; });
+  };
+  const std::string stem = name + (isThere(name + "_x") ? "_" : "");
+  if (!isThere(stem + 'x') || !isThere(stem + 'y') || !isThere(stem + 'z'))
+    throw DataError(option + " needs a vector at each point of the target's mesh, which are the attributes " + name +
+                    "_x, " + name + "_y and " + name + "_z; the mesh has " + attributeNames(mesh));
+  std::array<const VertexAttribute*, 3> parts{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    parts[axis] = &requireAttribute(mesh, stem + "xyz"[axis], "the target's mesh");
+  return parts;
+}
+
 void requireUvs(const Mesh& mesh) {
   constexpr const char* kWayOut = "; unwrap it, and export it as OBJ or PLY with its texture coordinates";
   if (mesh.cornerUvs.empty()) throw DataError(std::string("the target's mesh has no texture coordinates") + kWayOut);

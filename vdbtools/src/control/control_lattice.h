@@ -12,6 +12,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <span>
@@ -79,6 +80,12 @@ SurfaceValues fromSurface(const ControlLattice& lattice, const Mesh& mesh, std::
 /// @param whose  names the mesh in the error message
 /// @throw DataError  there is no such attribute, or it is not finite at a point that triangles use
 const VertexAttribute& requireAttribute(const Mesh& mesh, const std::string& name, const std::string& whose);
+
+/// The three attributes of a vector: NAME_x, NAME_y and NAME_z, or NAMEx, NAMEy and NAMEz.
+/// @param option  what asks for them, for the error message
+/// @throw DataError  they are not there, or not finite at a point that triangles use
+std::array<const VertexAttribute*, 3> requireVector(const Mesh& mesh, const std::string& name,
+                                                    const std::string& option);
 
 /// @throw DataError  the target's mesh has no texture coordinates, or not at every corner
 void requireUvs(const Mesh& mesh);

@@ -6,7 +6,7 @@
 
 #include "vdbtools/files/frames.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
-#include "vdbtools/motion/velocity_options.h"
+#include "vdbtools/motion/motion_options.h"
 #include "vdbtools/recipe/option_value.h"
 #include "vdbtools/scene/fractal_options.h"
 #include "vdbtools/scene/scene.h"

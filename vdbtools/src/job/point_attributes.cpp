@@ -94,20 +94,13 @@ struct PointAttributes::Transfer {
     return result;
   }
 
-  /// The weighted mean of the values at the corners of a point's triangle. A value that all corners share stays
-  /// unchanged.
-  template <class Corner>
-  static double interpolated(const SurfacePoint& point, const Corner& corner) {
-    const double first = corner(0);
-    return first + point.weights[1] * (corner(1) - first) + point.weights[2] * (corner(2) - first);
-  }
   double attributeAt(const SurfacePoint& point, const VertexAttribute& attribute) const {
     const openvdb::Vec3I& triangle = mesh.triangles[point.triangle];
-    return interpolated(point, [&](int k) { return double{attribute.values[triangle[k]]}; });
+    return interpolated(point.weights, [&](int k) { return double{attribute.values[triangle[k]]}; });
   }
   double coordinateAt(const SurfacePoint& point, int component) const {
     const openvdb::Vec2s* corners = &mesh.cornerUvs[3 * std::size_t{point.triangle}];
-    return interpolated(point, [&](int k) { return double{corners[k][component]}; });
+    return interpolated(point.weights, [&](int k) { return double{corners[k][component]}; });
   }
   const VertexAttribute& attribute(const std::string& name) const {
     return requireAttribute(mesh, name, "the target's mesh");

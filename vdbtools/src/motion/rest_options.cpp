@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/motion/rest_options.h"
+#include "vdbtools/motion/motion_options.h"
 
 #include "control/control_lattice.h"
 #include "recipe/option_rows.h"
@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <stdexcept>
 
 namespace vdbtools {
@@ -71,23 +70,6 @@ const OptionRows<RestText>& restRows() {
   return rows;
 }
 
-/// The three attributes of a vector.
-std::array<const VertexAttribute*, 3> vectorParts(const Mesh& mesh, const std::string& name) {
-  const auto find = [&](const std::string& wanted) {
-    const auto found = std::find_if(mesh.attributes.begin(), mesh.attributes.end(),
-                                    [&](const VertexAttribute& attribute) { return attribute.name == wanted; });
-    return found == mesh.attributes.end() ? nullptr : &*found;
-  };
-  for (const char* between : {"_", ""}) {
-    std::array<const VertexAttribute*, 3> parts{};
-    for (std::size_t axis = 0; axis < 3; ++axis) parts[axis] = find(name + between + "xyz"[axis]);
-    if (parts[0] && parts[1] && parts[2]) return parts;
-  }
-  throw DataError("--rest-attribute " + name +
-                  " needs a vector at each point of the target's mesh, which are the attributes " + name + "_x, " +
-                  name + "_y and " + name + "_z; the mesh has " + attributeNames(mesh));
-}
-
 }  // namespace
 
 std::vector<OptionSpec> restOptionSpecs() { return restRows().specs(); }
@@ -137,16 +119,12 @@ TargetOptions targetAtRest(const RestOptions& rest, const TargetOptions& target)
   result.moment.reset();
   if (!rest.attribute.empty()) {
     Mesh mesh = target.mesh ? *target.mesh : readMesh(target.input.path, target.moment);
-    const std::array<const VertexAttribute*, 3> parts = vectorParts(mesh, rest.attribute);
+    const std::array<const VertexAttribute*, 3> parts =
+        requireVector(mesh, rest.attribute, "--rest-attribute " + rest.attribute);
     std::vector<openvdb::Vec3d> points(mesh.points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
-      for (int axis = 0; axis < 3; ++axis) {
-        const double value = static_cast<double>(parts[static_cast<std::size_t>(axis)]->values[i]);
-        if (!std::isfinite(value))
-          throw DataError("--rest-attribute " + rest.attribute + " is not finite at point " + std::to_string(i + 1) +
-                          " of the target's mesh");
-        points[i][axis] = value;
-      }
+      for (int axis = 0; axis < 3; ++axis)
+        points[i][axis] = static_cast<double>(parts[static_cast<std::size_t>(axis)]->values[i]);
     mesh.points = std::move(points);
     mesh.normals.clear();
     result.mesh = std::make_shared<const Mesh>(std::move(mesh));

@@ -328,15 +328,10 @@ void SurfaceMotion::showOnly(const std::vector<std::uint32_t>& shown) {
 }
 
 SurfaceMotion::Image SurfaceMotion::Parts::image(const Vec3I& t, const Vec3d& w, const Vec3d& at) const {
-  const auto mean = [&](const auto& values) {
-    const auto& first = values[t[0]];
-    return first + (values[t[1]] - first) * w[1] + (values[t[2]] - first) * w[2];
-  };
+  const auto mean = [&](const auto& values) { return interpolated(w, [&](int corner) { return values[t[corner]]; }); };
   const Mat3d gradient = mean(turns) * linear;
   const Vec3d beside = gradient * ((at - mean(from)) / fromUnits.scale);
-  return {.at = toUnits.world(mean(to) + beside),
-          .gradient = gradient * (1 / toUnits.scale),
-          .distance = beside.length() / toUnits.scale};
+  return {.at = toUnits.world(mean(to) + beside), .gradient = gradient * (1 / toUnits.scale)};
 }
 
 SurfaceMotion::Image SurfaceMotion::carry(const Vec3d& x, std::optional<std::uint32_t> hint) const {
@@ -356,6 +351,43 @@ SurfaceMotion::Image SurfaceMotion::carryBy(std::uint32_t triangle, const Vec3d&
   Vec3d weights;
   openvdb::math::closestPointOnTriangleToPoint(parts.from[t[0]], parts.from[t[1]], parts.from[t[2]], at, weights);
   return parts.image(t, weights, at);
+}
+
+SurfaceVelocity::SurfaceVelocity(const Mesh& now, std::span<const SurfaceAt> moments, MotionDepth depth) {
+  for (const SurfaceAt& moment : moments) {
+    if (moment.seconds == 0) continue;
+    Side& side = mSides.emplace_back(Side{.seconds = moment.seconds});
+    // What is exactly the same has the velocity 0 without rounding.
+    if (moment.mesh->points != now.points || moment.mesh->triangles != now.triangles)
+      side.motion = std::make_unique<const SurfaceMotion>(now, *moment.mesh, depth, moment.name);
+  }
+}
+
+SurfaceVelocity::~SurfaceVelocity() = default;
+
+std::vector<Vec3d> SurfaceVelocity::at(std::span<const Vec3d> points) const {
+  std::vector<Vec3d> result(points.size(), Vec3d(0));
+  const SurfaceMotion* search = nullptr;
+  for (const Side& side : mSides)
+    if (side.motion && !search) search = side.motion.get();
+  if (!search) return result;
+  const double seconds = mSides.back().seconds - (mSides.size() > 1 ? mSides.front().seconds : 0);
+  std::optional<std::uint32_t> hint;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3d& x = points[i];
+    // All motions begin at the same triangles, so that one search is enough.
+    hint = search->carry(x, hint).hint;
+    const auto placeAt = [&](const Side& side) { return side.motion ? side.motion->carryBy(*hint, x).at : x; };
+    const Vec3d from = mSides.size() > 1 ? placeAt(mSides.front()) : x;
+    result[i] = (placeAt(mSides.back()) - from) / seconds;
+  }
+  return result;
+}
+
+double SurfaceVelocity::frame() const {
+  double longest = 0;
+  for (const Side& side : mSides) longest = std::max(longest, std::abs(side.seconds));
+  return longest;
 }
 
 }  // namespace vdbtools

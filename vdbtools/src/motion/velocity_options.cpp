@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vdbtools/motion/velocity_options.h"
+#include "vdbtools/motion/motion_options.h"
 
 #include "recipe/option_rows.h"
 #include "vdbtools/base/errors.h"

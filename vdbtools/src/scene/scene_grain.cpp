@@ -48,26 +48,15 @@ std::shared_ptr<const Mesh> requireMesh(const ControlContext& context, const Gra
 
 GrainVectors attributeVectors(const GrainSettings& settings, const ControlContext& context) {
   const std::shared_ptr<const Mesh> mesh = requireMesh(context, settings);
-  std::array<const VertexAttribute*, 3> parts{};
-  const auto isThere = [&](const std::string& name) {
-    return std::any_of(mesh->attributes.begin(), mesh->attributes.end(),
-                       [&](const VertexAttribute& attribute) { return attribute.name == name; });
-  };
-  const std::string& name = settings.attribute;
-  const std::string stem = name + (isThere(name + "_x") ? "_" : "");
-  if (!isThere(stem + 'x') || !isThere(stem + 'y') || !isThere(stem + 'z'))
-    throw DataError("--grain " + settings.text +
-                    " needs a vector at each point of the target's mesh, which are the attributes " + name + "_x, " +
-                    name + "_y and " + name + "_z; the mesh has " + attributeNames(*mesh));
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    parts[axis] = &requireAttribute(*mesh, stem + "xyz"[axis], "the target's mesh");
+  const std::array<const VertexAttribute*, 3> parts =
+      requireVector(*mesh, settings.attribute, "--grain " + settings.text);
   return vectorsOnMesh(mesh, [mesh, parts](const SurfacePoint& point) {
     const openvdb::Vec3I& t = mesh->triangles[point.triangle];
     Vec3d vector(0);
     for (int axis = 0; axis < 3; ++axis)
-      for (int corner = 0; corner < 3; ++corner)
-        vector[axis] +=
-            point.weights[corner] * static_cast<double>(parts[static_cast<std::size_t>(axis)]->values[t[corner]]);
+      vector[axis] = interpolated(point.weights, [&](int corner) {
+        return static_cast<double>(parts[static_cast<std::size_t>(axis)]->values[t[corner]]);
+      });
     return vector;
   });
 }

@@ -21,6 +21,15 @@ struct SurfacePoint {
   double distance = 0;  ///< from the position that was searched for
 };
 
+/// What has a value at each corner, at a point of a triangle with these barycentric weights. Where the corners have the
+/// same value, it is unchanged.
+/// @param corner  the value at corner 0, 1 or 2
+template <class Corner>
+auto interpolated(const openvdb::Vec3d& weights, const Corner& corner) {
+  const auto first = corner(0);
+  return first + (corner(1) - first) * weights[1] + (corner(2) - first) * weights[2];
+}
+
 /// Many threads may search it at once. The mesh may be open, and its triangles may intersect.
 class SurfaceSearch {
  public:

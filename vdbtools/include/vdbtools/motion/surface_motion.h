@@ -10,6 +10,7 @@
 ///   rho(x) = P + T (x - p)
 ///
 /// P is the image of p. T is the mean of the gradients of the triangles about each vertex, interpolated in triangles.
+/// How fast a neighbourhood moves follows from its images a little earlier and later.
 #pragma once
 
 #include "vdbtools/mesh/mesh.h"
@@ -62,7 +63,6 @@ class SurfaceMotion {
   struct Image {
     openvdb::Vec3d at;        ///< rho(x), world units of the other surface
     openvdb::Mat3d gradient;  ///< of rho at x, for x that keep their nearest point
-    double distance = 0;      ///< |T (x - p)|, world units of the other surface
     std::uint32_t hint = 0;   ///< for points beside x
   };
   /// @param hint  makes the search faster and changes nothing else
@@ -80,6 +80,36 @@ class SurfaceMotion {
  private:
   struct Parts;
   std::unique_ptr<Parts> mParts;
+};
+
+/// A surface at another time than now.
+struct SurfaceAt {
+  double seconds = 0;  ///< after now; negative before
+  std::shared_ptr<const Mesh> mesh;
+  std::string name;  ///< for errors
+};
+
+class SurfaceVelocity {
+ public:
+  /// @param moments  one, or one before and one after; none: nothing moves
+  /// @throw DataError  as SurfaceMotion, naming the mesh
+  SurfaceVelocity(const Mesh& now, std::span<const SurfaceAt> moments, MotionDepth depth);
+  ~SurfaceVelocity();
+
+  /// The velocities of points, world units per second: how far each point goes from the earlier moment to the later one
+  /// (which may be now), by the time between them. A point goes where SurfaceMotion carries it, with its nearest point
+  /// of the surface.
+  std::vector<openvdb::Vec3d> at(std::span<const openvdb::Vec3d> points) const;
+
+  /// The time of a frame: from now to the moment that is farthest away, seconds.
+  double frame() const;
+
+ private:
+  struct Side {
+    double seconds = 0;
+    std::unique_ptr<const SurfaceMotion> motion{};  ///< nullptr: it stands still
+  };
+  std::vector<Side> mSides;
 };
 
 }  // namespace vdbtools

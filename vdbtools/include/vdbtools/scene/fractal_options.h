@@ -6,8 +6,7 @@
 
 #include "vdbtools/field/lattice_options.h"
 #include "vdbtools/maps/map_registry.h"
-#include "vdbtools/motion/rest_options.h"
-#include "vdbtools/motion/velocity_options.h"
+#include "vdbtools/motion/motion_options.h"
 #include "vdbtools/recipe/recipe.h"
 #include "vdbtools/scene/attribute_options.h"
 #include "vdbtools/scene/file_axes.h"
