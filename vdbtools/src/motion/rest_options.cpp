@@ -121,11 +121,13 @@ TargetOptions targetAtRest(const RestOptions& rest, const TargetOptions& target)
     Mesh mesh = target.mesh ? *target.mesh : readMesh(target.input.path, target.moment);
     const std::array<const VertexAttribute*, 3> parts =
         requireVector(mesh, rest.attribute, "--rest-attribute " + rest.attribute);
-    std::vector<openvdb::Vec3d> points(mesh.points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+      openvdb::Vec3d point;
       for (int axis = 0; axis < 3; ++axis)
-        points[i][axis] = static_cast<double>(parts[static_cast<std::size_t>(axis)]->values[i]);
-    mesh.points = std::move(points);
+        point[axis] = static_cast<double>(parts[static_cast<std::size_t>(axis)]->values[i]);
+      // Points that no triangle uses may have any value.
+      if (point.isFinite()) mesh.points[i] = point;
+    }
     mesh.normals.clear();
     result.mesh = std::make_shared<const Mesh>(std::move(mesh));
     result.input.recordedAs = "rest-attribute-sha256";
