@@ -368,6 +368,23 @@ class Page(harness.CliTest):
                        check=True, stderr=subprocess.PIPE)
         self.assertEqual({name: self.path("out").joinpath(name).read_bytes() for name in made}, made)
 
+    def test_a_target_that_moves_is_shown_at_rest_and_made_in_its_pose(self):
+        points, faces = harness.torus(around=24, across=12)
+        self.write("pose.obj", harness.obj(([(x, y + 0.4 * x * x, z) for x, y, z in points], faces)))
+        still, page = self.serve("s.obj", *QUICK), self.serve("pose.obj", "--rest", "s.obj", *QUICK)
+        target = page.get("start")[1]["target"]
+        self.assertEqual((target["name"], target["atRest"]), ("pose.obj", True))
+        self.assertFalse(still.get("start")[1]["target"]["atRest"])
+        self.assertEqual(page.raw("GET", "target")[2], still.raw("GET", "target")[2])
+        for options in ({}, {"detail": "0.6"}):
+            shown = [one.post("picture", {"recipe": one.recipe(**options), "width": 40, "height": 30}) for one in (still, page)]
+            self.assertEqual(shown[0], shown[1])
+        status, answer = page.post("make", {"recipe": page.recipe(detail="0.6"), "name": "look", "formats": ["ply"]})
+        self.assertEqual((status, page.wait_for(answer["job"])["state"]), (200, "done"))
+        made = self.bytes("look.ply")
+        self.ok("fractal", "pose.obj", "--rest", "s.obj", "--detail", 0.6, *QUICK, "--mesh", "one.ply")
+        self.assertEqual(harness.read_ply(made).points, harness.read_ply(self.bytes("one.ply")).points)
+
     def test_a_sequence_is_that_of_the_command_that_the_page_shows(self):
         page = self.serve("s.obj", *QUICK)
         keys = [{"frame": frame, "recipe": page.recipe(**options)} for frame, options in

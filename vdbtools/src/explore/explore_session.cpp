@@ -225,7 +225,7 @@ ExploreSession::ExploreSession(const ExploreOptions& options, Monitor& monitor)
       mAccess(parseFractalOptions(options.given)),
       mJobs(mFolder, inputsOf(options), options.makeShare) {
   const Recipe completed = completeRecipe(mGiven, mTable);
-  const FractalOptions shown = forPictures(parseFractalOptions(completed));
+  const FractalOptions shown = shownOptions(parseFractalOptions(completed));
   requireShown(mScenes.get(completed, shown, SceneStore::Turn::Waits, monitor)->scene());
   makeFolder(mFolder);
 }
@@ -235,8 +235,9 @@ std::size_t ExploreSession::mostBytes(const std::string& path) { return path == 
 ExploreSession::Look ExploreSession::lookOf(const json& body) const {
   Look look{.given = recipeOf(body)};
   look.completed = completeRecipe(look.given, mTable);
-  look.options = forPictures(parseFractalOptions(look.completed));
-  mAccess.require(look.options);
+  const FractalOptions options = parseFractalOptions(look.completed);
+  mAccess.require(options);
+  look.options = shownOptions(options);
   return look;
 }
 
@@ -260,6 +261,7 @@ json ExploreSession::target() {
   json data = {{"name", std::filesystem::path(name->second).filename().string()},
                {"box", {box.min()[0], box.min()[1], box.min()[2], box.max()[0], box.max()[1], box.max()[2]}},
                {"longestSide", longestSide(box)},
+               {"atRest", hasRest(mGiven)},
                {"attributes", json::array()}};
   if (const std::shared_ptr<const Mesh> mesh = input->mesh()) {
     data["triangles"] = mesh->triangles.size();

@@ -353,12 +353,9 @@ float appendHalf(std::string& bytes, float value) {
   return rounded;
 }
 
+FractalOptions shownOptions(const FractalOptions& options) { return forPictures(optionsAtRest(options)); }
+
 void requireShown(const Scene& scene) {
-  if (scene.rest)
-    throw std::invalid_argument(
-        "the page cannot show a target in its pose; give it the target at rest, which has the same look, and give "
-        "--rest to "
-        "'juliavdb fractal'");
   const julia::MapDescription map = scene.field.evaluator->describe().map;
   const auto* const shape = std::any_cast<julia::ShapeModulusDescription>(&map);
   if (shape && !isShown(shape->versor)) throw std::invalid_argument(kNotShown);

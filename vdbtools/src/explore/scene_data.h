@@ -38,6 +38,10 @@ SceneData sceneData(const Scene& scene, const SceneDataOptions& options, Monitor
 /// A 16-bit float, little-endian; values beyond those that it can hold become the largest. @return it as a float
 float appendHalf(std::string& bytes, float value);
 
+/// The options of the scene that the page shows: that of a target that moves is shown at rest. @throw as
+/// optionsAtRest()
+FractalOptions shownOptions(const FractalOptions& options);
+
 /// @throw std::invalid_argument  the page has no shader for the scene's versor, such as a formula, a field or layers
 void requireShown(const Scene& scene);
 

@@ -132,6 +132,16 @@ FractalOptions forPictures(FractalOptions options) {
   return options;
 }
 
+FractalOptions optionsAtRest(FractalOptions options) {
+  if (!options.rest) return options;
+  requireTarget(options);
+  options.target = targetAtRest(*options.rest, *options.target);
+  options.rest.reset();
+  options.velocity.reset();
+  options.lattice.box.reset();
+  return options;
+}
+
 bool dropsCrumbs(const FractalOptions& options) {
   const Crumbs crumbs = options.surface.crumbs;
   return crumbs == Crumbs::Drop || (crumbs == Crumbs::Auto && options.map->shell());

@@ -195,12 +195,9 @@ struct SceneMaker::Shared {
     return *target;
   }
 
-  /// The target at rest. Points in memory that are the same as those of the last scene are the same mesh.
-  TargetOptions targetAtRest(const FractalOptions& options) {
-    TargetOptions rest = vdbtools::targetAtRest(*options.rest, *options.target);
-    if (rest.mesh && target && target->options().mesh && sha256OfMesh(*rest.mesh) == target->hash)
-      rest.mesh = target->options().mesh;
-    return rest;
+  /// Points in memory that are the same as those of the last scene are the same mesh.
+  void share(std::shared_ptr<const Mesh>& mesh) const {
+    if (mesh && target && target->options().mesh && sha256OfMesh(*mesh) == target->hash) mesh = target->options().mesh;
   }
 
   TargetOpener open;
@@ -332,12 +329,8 @@ void setLattice(Scene& scene, const std::optional<BBoxd>& shape, const MapFiles&
 
 Scene SceneMaker::make(const FractalOptions& options, Monitor& monitor) {
   if (!options.rest) return makeStill(options, monitor);
-  requireTarget(options);
-  FractalOptions atRest = options;
-  atRest.target = mShared->targetAtRest(options);
-  atRest.rest.reset();
-  atRest.velocity.reset();
-  atRest.lattice.box.reset();
+  FractalOptions atRest = optionsAtRest(options);
+  mShared->share(atRest.target->mesh);
   Metadata hashes;
   const TargetInput& rest = mShared->over(atRest, hashes, monitor).input();
   // Faces that differ are found before the work begins.

@@ -60,6 +60,10 @@ FractalOptions parseFractalOptions(const Recipe& recipe, const MapRegistry& maps
 /// The same options for pictures of the set itself: `picture` is on where `--sampling auto` decides something.
 FractalOptions forPictures(FractalOptions options);
 
+/// The options of the same fractal about the target at rest: FractalOptions::rest is its target. Options without it
+/// stay as they are. @throw as targetAtRest()
+FractalOptions optionsAtRest(FractalOptions options);
+
 /// Whether crumbs are dropped; for Crumbs::Auto the map decides.
 bool dropsCrumbs(const FractalOptions& options);
 /// Whether islands are looked for, to drop some.

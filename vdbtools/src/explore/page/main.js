@@ -332,7 +332,7 @@ async function run() {
   const thumbnails = page.tiles && start.target ? new Thumbnails(page, page.tiles) : null;
   const parts = {
     canvas, exact, targetBox, status, progress, strip: strip.element, keys: page.keys?.element ?? null, choices: choices.element,
-    title: isExported ? "A look of JuliaVDB" : start.target?.name ?? "JuliaVDB",
+    title: isExported ? "A look of JuliaVDB" : start.target ? start.target.name + (start.target.atRest ? ", at rest" : "") : "JuliaVDB",
     tools: [undo, redo, frameButton, turntable, savePicture, ...(isExported ? [] : [exactButton, meshButton, ...(start.target ? [compare] : [])])],
     panel: files ? [controls.element, files.element] : [exportNote(scene, start), controls.element],
   };
