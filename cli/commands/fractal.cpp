@@ -211,13 +211,13 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const 
 /// Makes the frames of a sequence, except those that exist already.
 int makeFrames(const CommandLine& line) {
   vdbtools::farm::FramePlanOptions options = parseFrameOptions(line, framesOf(line, kOutputOptions), productsOf(line));
-  // The options and the paths of all frames are checked before the first frame is made.
+  options.missingFails = !line.has("keep-going");
+  // The options and the files of all frames are checked before the first frame is made.
   {
-    const vdbtools::farm::FrameRecipes asked(options);
+    vdbtools::farm::FrameRecipes asked(options);
     requireFramePlaces(line, asked.inputs(), kOutputOptions, asked.frames());
+    chooseForAllFrames(line, asked, options);
   }
-  vdbtools::farm::chooseResolution(options, line.progress());
-  if (options.resolution) report().text() << frameResolutionText(options) << '\n';
   const vdbtools::farm::FrameRecipes recipes(options);
   vdbtools::SceneMaker maker;
   FractalCounts total;

@@ -31,8 +31,11 @@ void addKeyOptions(CommandLine& line);
 vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, std::vector<int> frames,
                                                    const std::set<vdbtools::Product>& makes);
 
-/// A sentence about the resolution of options that left it to the program.
-std::string frameResolutionText(const vdbtools::farm::FramePlanOptions& options);
+/// Opens the files of all frames, so that a broken one is found before the first frame is made, and chooses and reports
+/// the voxels that all frames share. With --keep-going, a broken file fails its own frame later.
+/// @throw FailedWith  names the frame of a broken file
+void chooseForAllFrames(const CommandLine& line, vdbtools::farm::FrameRecipes& asked,
+                        vdbtools::farm::FramePlanOptions& options);
 
 /// The options of plans whose tasks are whole fractals: -o, --make and --name.
 void addVariantOptions(CommandLine& line);

@@ -68,9 +68,18 @@ vdbtools::farm::FramePlanOptions parseFrameOptions(const CommandLine& line, std:
   return options;
 }
 
-std::string frameResolutionText(const vdbtools::farm::FramePlanOptions& options) {
-  return "resolution " + vdbtools::shortText(options.resolution.value()) +
-         " for all frames: the most that the first, the middle and the last of them need";
+void chooseForAllFrames(const CommandLine& line, vdbtools::farm::FrameRecipes& asked,
+                        vdbtools::farm::FramePlanOptions& options) {
+  checkFrames(line, asked.frames(), [&](int frame) { asked.look(frame, line.progress()); });
+  vdbtools::farm::chooseResolution(options, line.progress());
+  if (options.resolution)
+    report().text() << "resolution " << vdbtools::shortText(*options.resolution)
+                    << " for all frames: the most that the first, the middle and the last of them need\n";
+  const std::optional<vdbtools::farm::SharedVoxel> shared = asked.sharedVoxel(options);
+  if (!shared) return;
+  options.voxelSize = shared->size;
+  report().text() << "voxels of " << vdbtools::shortText(shared->size) << " for all frames: those of frame "
+                  << shared->frame << ", whose target is the largest; --voxel-size sets another size\n";
 }
 
 int runPlanFrames(const Arguments& arguments) {
@@ -88,9 +97,9 @@ int runPlanFrames(const Arguments& arguments) {
       parseFrameOptions(line, vdbtools::farm::parseFrames(line.text("frames")), productsOf(makes));
   options.name = line.text("name");
   options.makes = makes;
+  vdbtools::farm::FrameRecipes asked(options);
   const std::filesystem::path folder = newPlanFolder(line);
-  vdbtools::farm::chooseResolution(options, line.progress());
-  if (options.resolution) report().text() << frameResolutionText(options) << '\n';
+  chooseForAllFrames(line, asked, options);
   return finishPlan(folder, vdbtools::farm::planFrames(options));
 }
 

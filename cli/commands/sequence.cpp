@@ -12,9 +12,12 @@
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/frames.h"
+#include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/fractal_job.h"
+#include "vdbtools/mesh_files/mesh_reader.h"
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -39,6 +42,14 @@ Failure failureOf(int frame) {
   Failure failure = currentFailure();
   failure.text = "frame " + std::to_string(frame) + ": " + failure.text;
   return failure;
+}
+
+/// Reads a mesh, or what the head of a VDB says, and forgets it. @throw as readMesh(), readVdbMetadata()
+void requireReadable(const std::string& input) {
+  if (vdbtools::isVdbPath(input))
+    vdbtools::readVdbMetadata(input);
+  else if (vdbtools::formatOfMesh(input))
+    vdbtools::readMesh(input);
 }
 
 /// Refuses outputs that would have the same name in several frames.
@@ -92,6 +103,19 @@ std::vector<int> framesOf(const CommandLine& line, std::span<const char* const> 
 
 void noteEqualFrames(std::size_t frames) {
   if (frames > 1) report().text() << "note: nothing changes from frame to frame, and all are the same\n";
+}
+
+void checkFrames(const CommandLine& line, const std::vector<int>& frames, const std::function<void(int frame)>& check) {
+  for (const int frame : frames) {
+    line.progress().throwIfCancelled();
+    try {
+      check(frame);
+    } catch (const vdbtools::Interrupted&) {
+      throw;
+    } catch (...) {
+      if (!line.has("keep-going")) throw FailedWith(failureOf(frame));
+    }
+  }
 }
 
 SequenceCounts makeSequence(const CommandLine& line, const std::vector<int>& frames, const FrameMaker& make) {
@@ -189,21 +213,21 @@ int runFrames(const CommandLine& line, const std::string& input, std::span<const
   vdbtools::FrameInputs there;
   for (const int frame : frames)
     if (!input.empty()) there.add(inputOf(frame), frame);
-  there.requireNoneMissing();
+  if (!line.has("keep-going")) there.requireNoneMissing();
   vdbtools::InputFiles inputs = there.files();
   std::vector<FrameJob> jobs;  // one for all frames if they are the same
-  for (const int frame : frames) {
-    if (!isSequence && !jobs.empty()) break;
+  checkFrames(line, isSequence ? frames : std::vector<int>{frames.front()}, [&](int frame) {
+    FrameJob& job = jobs.emplace_back();
     try {
-      jobs.push_back(prepare(inputOf(frame)));
-    } catch (const vdbtools::Interrupted&) {
-      throw;
+      if (!input.empty()) requireReadable(inputOf(frame));
+      job = prepare(inputOf(frame));
     } catch (...) {
-      throw FailedWith(failureOf(frame));
+      job.make = [failure = std::current_exception()](const FrameRun&) { std::rethrow_exception(failure); };
+      throw;
     }
-    if (!input.empty()) jobs.back().inputs.add(inputOf(frame));
-    inputs.add(jobs.back().inputs);
-  }
+    if (!input.empty()) job.inputs.add(inputOf(frame));
+    inputs.add(job.inputs);
+  });
   requireFramePlaces(line, inputs, outputs, frames);
   std::optional<int> before;
   const SequenceCounts counts = makeSequence(line, frames, [&](std::size_t i, bool isLast, vdbtools::Monitor& monitor) {

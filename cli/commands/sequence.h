@@ -57,6 +57,10 @@ enum class FrameOutcome { Made, Kept };
 /// @param isLast  whether nothing is made after this frame
 using FrameMaker = std::function<FrameOutcome(std::size_t index, bool isLast, vdbtools::Monitor& monitor)>;
 
+/// Checks all frames before the first one is made. With --keep-going, a frame that does not pass fails later, when it
+/// is its turn. @throw FailedWith  names the frame @throw vdbtools::Interrupted
+void checkFrames(const CommandLine& line, const std::vector<int>& frames, const std::function<void(int frame)>& check);
+
 /// Makes frames in their order. A failure is reported with the number of its frame. It ends the sequence or, with
 /// --keep-going, only that frame.
 /// @throw FailedWith, vdbtools::Interrupted
@@ -108,8 +112,8 @@ struct FrameJob {
 using FramePreparer = std::function<FrameJob(const std::string& input)>;
 
 /// Runs a command on its input or, with --frames, on each frame's input. Before the first frame is made, all frames are
-/// prepared, all inputs must exist, and no output may be an input of any frame. If all frames have the same input, the
-/// first frame is made and the others are copies.
+/// prepared, all inputs must exist and be readable (with --keep-going, they fail their own frame), and no output may be
+/// an input of any frame. If all frames have the same input, the first frame is made and the others are copies.
 /// @param input    the name of the input, which may contain a frame pattern
 /// @param outputs  the options that name the files of a frame
 /// @return the exit code

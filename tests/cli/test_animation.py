@@ -193,6 +193,7 @@ class Animation(harness.CliTest):
     # The target itself, as a level set of two voxels and more on both sides.
     PLAIN = ("--mask", 0, "--voxel-size", VOXEL, "--sdf-voxel-size", VOXEL / 2, "--up", "keep")
     SMALL = ("--resolution", 30, "--sdf-resolution", 100)
+    EVEN = ("--voxel-size", 0.1, "--sdf-resolution", 100)  # in all frames
 
     def setUp(self):
         super().setUp()
@@ -238,25 +239,25 @@ class Animation(harness.CliTest):
         self.assertNotIn(made("--target-animation", "all"), (walks, jumps))
 
     def test_a_sequence_is_the_frames_one_by_one(self):
-        self.ok("fractal", "walk.gltf", "--frames", "12,20", "-o", "f.####.vdb", *self.SMALL)
+        self.ok("fractal", "walk.gltf", "--frames", "12,20", "-o", "f.####.vdb", *self.EVEN)
         self.assertNotEqual(self.bytes("f.0012.vdb"), self.bytes("f.0020.vdb"))
         for frame in (12, 20):
-            self.ok("fractal", "walk.gltf", "--target-frame", frame, "-o", "one.vdb", *self.SMALL)
+            self.ok("fractal", "walk.gltf", "--target-frame", frame, "-o", "one.vdb", *self.EVEN)
             self.assertEqual(self.bytes("one.vdb"), self.bytes(f"f.{frame:04}.vdb"))
         self.ok("fractal", "--config", "f.0020.vdb", "-o", "one.vdb")
         self.assertEqual(self.bytes("one.vdb"), self.bytes("f.0020.vdb"))
-        self.ok("plan", "frames", "walk.gltf", "-o", "plan", "--frames", "12,20", *self.SMALL)
+        self.ok("plan", "frames", "walk.gltf", "-o", "plan", "--frames", "12,20", *self.EVEN)
         self.ok("task", "plan", "--range", "1-2")
         for frame in (12, 20):
             self.assertEqual(self.bytes(f"plan/out/walk.{frame:04}.vdb"), self.bytes(f"f.{frame:04}.vdb"))
-        self.assertIn("kept 2 of 2 frames", self.ok("fractal", "walk.gltf", "--frames", "12,20", "-o", "f.####.vdb", *self.SMALL))
+        self.assertIn("kept 2 of 2 frames", self.ok("fractal", "walk.gltf", "--frames", "12,20", "-o", "f.####.vdb", *self.EVEN))
         self.assertIn("kept 0 of 2 frames", self.ok(
-            "fractal", "walk.gltf", "--frames", "12,20", "-o", "f.####.vdb", "--target-fps", 30, *self.SMALL))
+            "fractal", "walk.gltf", "--frames", "12,20", "-o", "f.####.vdb", "--target-fps", 30, *self.EVEN))
 
     def test_keys_change_the_time(self):
         self.ok("fractal", "walk.gltf", "--frames", "1-3", "--key", "target-frame@1=12", "--key", "target-frame@3=13",
-                "-o", "f.####.vdb", *self.SMALL)
-        self.ok("fractal", "walk.gltf", "--target-frame", 12.5, "-o", "one.vdb", *self.SMALL)
+                "-o", "f.####.vdb", *self.EVEN)
+        self.ok("fractal", "walk.gltf", "--target-frame", 12.5, "-o", "one.vdb", *self.EVEN)
         self.assertEqual(self.bytes("one.vdb"), self.bytes("f.0002.vdb"))
 
     def test_info_lists_animations(self):

@@ -131,6 +131,43 @@ class Motion(harness.TextureTest):
                      mentions=("s.0001.obj", "frame 1"))
         self.assertFalse(self.path("c.-0001.vdb").exists())
 
+    def test_all_files_of_a_sequence_are_looked_at_first(self):
+        for frame in (1, 2, 3):
+            self.write(f"s.{frame}.obj", harness.obj(bent(self.rest, 10 * frame)))
+        whole = self.bytes("s.3.obj")
+        sequence = ("s.#.obj", *LOW, "--frames", "1-3")
+        makes = lambda *words: ("fractal", *sequence, "--mesh", "a.#.ply", *words)
+
+        def stops(code, mentions, *words, frame=3):
+            for command in (makes(*words), ("plan", "frames", *sequence, *words, "-o", "plan")):
+                self.refused(code, *command, mentions=(f"frame {frame}", *mentions))
+                self.assertFalse(self.path("a.1.ply").exists())
+                self.assertFalse(self.path("plan").exists())
+
+        for broken in (whole[:-7] + b"nan", whole + b"f 1 2 99999\n"):
+            self.path("s.3.obj").write_bytes(broken)
+            for words in ((), ("--rest", "r.obj")):
+                stops(BAD_DATA, ("s.3.obj",), *words)
+            self.refused(BAD_DATA, "sdf", "s.#.obj", "--frames", "1-3", "-o", "d.#.vdb", "--resolution", 20, mentions=("frame 3", "s.3.obj"))
+            self.assertFalse(self.path("d.1.vdb").exists())
+        self.write("s.3.obj", harness.obj(harness.torus(around=20)))
+        stops(BAD_DATA, ("s.3.obj", "1024", "640", "--rest-attribute", "r.obj"), "--rest", "r.obj")
+        stops(BAD_DATA, ("s.3.obj", "1024", "640", "velocity"), "--attributes", "velocity", frame=2)
+        # Without a rest, faces may change.
+        self.ok(*makes())
+        # One that fails leaves the others.
+        self.path("s.3.obj").write_bytes(whole[:-7] + b"nan")
+        os.remove(self.path("s.1.obj"))
+        for number in (1, 2, 3):
+            self.path(f"a.{number}.ply").unlink()
+        for made, command in (("a.2.ply", makes("--keep-going", "--rest", "r.obj")),
+                              ("d.2.vdb", ("sdf", "s.#.obj", "--frames", "1-3", "-o", "d.#.vdb", "--resolution", 20, "--keep-going"))):
+            before = set(self.listing())
+            run = self.run_program(*command)
+            self.assertEqual((run.returncode, set(self.listing()) - before), (NO_INPUT, {made}))
+            for words in ("frame 1", "s.1.obj", "1 more", "frame 3", "s.3.obj"):
+                self.assertIn(words, run.stderr.decode())
+
     def test_attributes_are_those_at_rest(self):
         """The mask and the thickness are read at rest, and the distance in the pose."""
         options = ("--rest", "r.obj", "--mask", "y:0.2:1", "--attributes", "mask,tau,depth")

@@ -93,6 +93,25 @@ class Sequences(harness.CliTest):
                              *SMALL, mentions=("7 inputs", "in.0002.obj", "in.0004.obj", "in.0006.obj"))
         self.assertNotIn("in.0007.obj", error)
 
+    def test_targets_of_several_sizes_share_the_voxels_of_the_largest(self):
+        points, faces = harness.torus(around=24, across=12)
+        for frame, scale in ((1, 1), (2, 3), (3, 2)):
+            self.write(f"in.{frame}.obj", harness.obj(([tuple(scale * c for c in p) for p in points], faces)))
+        self.ok("fractal", "in.2.obj", "-o", "two.vdb", *SMALL)
+        size = self.info("two.vdb")["grids"][0]["voxel size"]
+        frames = ("in.#.obj", "--frames", "1-3", *SMALL)
+        run = self.run_program("fractal", *frames, "-o", "out.#.vdb", "--progress", "none")
+        self.assertRegex(run.stderr.decode(), r"voxels of \S+ for all frames: those of frame 2, whose target is the largest")
+        self.ok("plan", "frames", *frames, "-o", "plan", "--name", "a")
+        for frame in (1, 2, 3):
+            self.assertEqual(self.info(f"out.{frame}.vdb")["grids"][0]["voxel size"], size)
+            self.ok("task", "plan", "--index", frame)
+            self.assertEqual(self.bytes(f"plan/out/a.{frame:04}.vdb"), self.bytes(f"out.{frame}.vdb"))
+        # A size that is given, and one resolution for each frame, are what they say.
+        self.ok("fractal", "in.#.obj", "--frames", "1-3", "-o", "given.#.vdb", *SMALL[2:], "--voxel-size", 0.3)
+        self.assertEqual({str(self.info(f"given.{frame}.vdb")["grids"][0]["voxel size"]) for frame in (1, 2, 3)},
+                         {str([0.3] * 3)})
+
     def test_a_failure_names_its_frame(self):
         words = ("fractal", "lumpy.obj", "-o", "g.####.vdb", "--frames", "1-3", "--key", "beta@1=0.01", "--key",
                  "beta@2=-0.5", "--key", "beta@3=0.01", "--alpha", 40, "--progress", "none", *SMALL)
@@ -141,7 +160,7 @@ class Sequences(harness.CliTest):
 # The words of each command, and the ending of what it makes, but for 'fractal', which is above.
 COMMANDS = {
     "sdf": ("in.{}.obj", ("--resolution", 16), ".vdb"),
-    "fractal": ("in.{}.obj", SMALL, ".vdb"),
+    "fractal": ("in.{}.obj", ("--voxel-size", 0.1, "--sdf-resolution", 24), ".vdb"),
     "convert": ("g.{}.vdb", (), ".nvdb"),
     "mesh": ("g.{}.vdb", (), ".ply"),
     "points": ("g.{}.vdb", ("--points", 40), ".ply"),
@@ -213,8 +232,8 @@ class EveryCommand(harness.CliTest):
         words = ("sdf", "in.####.obj", "-o", "d.$F4.vdb", "--resolution", 16, "--frames", "-1,1-2", "--progress", "none")
         run = self.run_program(*words)
         self.assertEqual(run.returncode, harness.BAD_DATA, run.stderr)
-        self.assertRegex(run.stderr.decode(), r"(?m)^juliavdb: frame 1: [^\n]*in\.0001\.obj[^\n]*frames before it are finished$")
-        self.assertEqual([name for name in self.listing() if name.startswith("d.")], ["d.-0001.vdb"])
+        self.assertRegex(run.stderr.decode(), r"(?m)^juliavdb: frame 1: [^\n]*in\.0001\.obj")
+        self.assertEqual([name for name in self.listing() if name.startswith("d.")], [], "it is found before the work")
         run = self.run_program(*words, "--keep-going")
         self.assertEqual(run.returncode, harness.BAD_DATA, run.stderr)
         self.assertEqual([name for name in self.listing() if name.startswith("d.")], ["d.-0001.vdb", "d.0002.vdb"])

@@ -4,6 +4,7 @@
 #include "farm/variant_plan.h"
 #include "scene/file_hashes.h"
 
+#include "vdbtools/base/errors.h"
 #include "vdbtools/files/frames.h"
 #include "vdbtools/mesh_files/mesh_reader.h"
 #include "vdbtools/motion/motion_options.h"
@@ -14,6 +15,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -101,23 +104,32 @@ Recipe recipeAt(const FramePlanOptions& options, int frame) {
   if (options.resolution && hasAutomaticResolution(recipe)) recipe["resolution"] = numbersText({*options.resolution});
   if (options.sdfResolution && hasAutomaticSdfResolution(recipe))
     recipe["sdf-resolution"] = numbersText({*options.sdfResolution});
+  if (options.voxelSize) recipe = overridden(recipe, {{"voxel-size", numbersText({*options.voxelSize})}}, table);
   return recipe;
 }
 
 namespace {
+
+FractalOptions optionsAt(const FramePlanOptions& options, int frame) {
+  return parseFractalOptions(completeRecipe(recipeAt(options, frame), fractalOptionTable()));
+}
+
+/// Whether all files of a frame exist.
+bool isThere(const FramePlanOptions& options, int frame) {
+  const std::vector<NamedFile> files = filesOf(optionsAt(options, frame));
+  std::error_code error;
+  return std::all_of(files.begin(), files.end(),
+                     [&](const NamedFile& file) { return std::filesystem::is_regular_file(file.path, error); });
+}
 
 /// The first frame, the middle one, and the last of those that count.
 template <class Counts>
 std::set<int> sampleFrames(const FramePlanOptions& options, const Counts& counts) {
   std::vector<int> frames;
   for (const int frame : options.frames)
-    if (counts(recipeAt(options, frame))) frames.push_back(frame);
+    if (counts(recipeAt(options, frame)) && (options.missingFails || isThere(options, frame))) frames.push_back(frame);
   if (frames.empty()) return {};
   return {frames.front(), frames[frames.size() / 2], frames.back()};
-}
-
-FractalOptions optionsAt(const FramePlanOptions& options, int frame) {
-  return parseFractalOptions(completeRecipe(recipeAt(options, frame), fractalOptionTable()));
 }
 
 void chooseSdfResolution(FramePlanOptions& options, Monitor& monitor) {
@@ -162,12 +174,20 @@ Manifest planFrames(const FramePlanOptions& options) {
   return planVariants(PlanKind::Frames, variants, {nameFor(options, fractalOptionTable()), options.makes});
 }
 
-struct FrameRecipes::Hashes {
+struct FrameRecipes::Known {
   FileHashes files;
+  struct Looked {
+    std::size_t triangles = 0;  ///< 0: no mesh
+    double longestSide = 0;     ///< world units
+  };
+  /// What look() has opened: the file, and the moment of its animation, seconds.
+  std::map<std::pair<std::filesystem::path, std::optional<double>>, Looked> looked{};
+  std::map<int, double> sides{};  ///< of the frames' targets
+  std::filesystem::path restPath{};
+  std::shared_ptr<const Mesh> rest{};  ///< of restPath
 };
 
-FrameRecipes::FrameRecipes(FramePlanOptions options)
-    : mOptions(std::move(options)), mHashes(std::make_unique<Hashes>()) {
+FrameRecipes::FrameRecipes(FramePlanOptions options) : mOptions(std::move(options)), mKnown(std::make_unique<Known>()) {
   requireKeysWithoutPatterns(mOptions);
   const OptionTable table = fractalOptionTable();
   FrameInputs files;
@@ -180,15 +200,84 @@ FrameRecipes::FrameRecipes(FramePlanOptions options)
       throw std::invalid_argument("frame " + std::to_string(frame) + ": " + error.what());
     }
   }
-  files.requireNoneMissing();
+  if (mOptions.missingFails) files.requireNoneMissing();
   mInputs = files.files();
 }
 
 FrameRecipes::~FrameRecipes() = default;
 
+void FrameRecipes::look(int frame, Monitor& monitor) {
+  const FractalOptions options = optionsAt(mOptions, frame);
+  if (!options.target) return;
+  const TargetOptions& target = *options.target;
+  Known& known = *mKnown;
+  std::shared_ptr<const Mesh> mesh;
+  const auto [now, isNew] = known.looked.try_emplace(
+      {target.input.path, target.moment ? std::optional(target.moment->seconds) : std::nullopt});
+  if (isNew) {
+    const std::unique_ptr<const TargetInput> input = openTarget(target, monitor);
+    mesh = input->mesh();
+    now->second = {mesh ? mesh->triangles.size() : 0, longestSide(input->box())};
+  }
+  known.sides[frame] = now->second.longestSide;
+  if (mesh && options.rest) {
+    const RestOptions& rest = *options.rest;
+    if (!rest.file) {
+      targetAtRest(rest, target);
+    } else {
+      if (!known.rest || known.restPath != rest.file->path) {
+        known.rest = openTarget(targetAtRest(rest, target), monitor)->mesh();
+        known.restPath = rest.file->path;
+      }
+      if (known.rest->triangles.size() != mesh->triangles.size())
+        throw DataError("the target '" + target.input.path.string() + "' has " +
+                        std::to_string(mesh->triangles.size()) + " triangles, and --rest '" + known.restPath.string() +
+                        "' has " + std::to_string(known.rest->triangles.size()) +
+                        "; where the faces change, give the points at rest as an attribute of each frame "
+                        "(--rest-attribute), or leave --rest out");
+      requireSameFaces(*mesh, *known.rest, "--rest '" + known.restPath.string() + "'");
+    }
+  }
+  if (!options.velocity) return;
+  for (const auto& [file, option] :
+       {std::pair(&options.velocity->before, kTargetBefore), std::pair(&options.velocity->after, kTargetAfter)}) {
+    if (!*file) continue;
+    const std::filesystem::path& path = (*file)->path;
+    const auto found = known.looked.find({path, std::nullopt});
+    const std::size_t triangles =
+        found != known.looked.end() ? found->second.triangles : readMesh(path).triangles.size();
+    if (triangles != now->second.triangles)
+      throw DataError("the target '" + target.input.path.string() + "' has " + std::to_string(now->second.triangles) +
+                      " triangles, and --" + option + " '" + path.string() + "' has " + std::to_string(triangles) +
+                      "; where the faces change, leave velocity out of --attributes");
+  }
+}
+
+std::optional<SharedVoxel> FrameRecipes::sharedVoxel(const FramePlanOptions& chosen) const {
+  const std::map<int, double>& sides = mKnown->sides;
+  std::optional<VoxelChoice> choice;
+  std::optional<SharedVoxel> shared;
+  bool differ = false;
+  double longest = 0;
+  for (const int frame : chosen.frames) {
+    const auto side = sides.find(frame);
+    if (side == sides.end()) continue;
+    const FractalOptions options = optionsAt(chosen, frame);
+    const VoxelChoice& voxels = options.lattice.voxels;
+    if (options.rest || options.lattice.automatic || !voxels.resolution || (choice && *choice != voxels))
+      return std::nullopt;
+    choice = voxels;
+    differ = differ || (shared && side->second != longest);
+    if (side->second <= longest) continue;
+    longest = side->second;
+    shared = SharedVoxel{voxels.sizeFor(longest), frame};
+  }
+  return differ ? shared : std::nullopt;
+}
+
 Recipe FrameRecipes::at(int frame) const {
   Recipe recipe = completeRecipe(recipeAt(mOptions, frame), fractalOptionTable());
-  for (const auto& [name, hash] : mHashes->files.of(parseFractalOptions(recipe))) recipe[name] = hash;
+  for (const auto& [name, hash] : mKnown->files.of(parseFractalOptions(recipe))) recipe[name] = hash;
   return recipe;
 }
 

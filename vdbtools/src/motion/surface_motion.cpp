@@ -28,33 +28,22 @@ using openvdb::Mat3d;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 
+/// Whether corners are found by their numbers, as polygons of moved points may be cut into other triangles. Files
+/// without numbers, such as STL, have the same order of triangles only.
+bool haveNumbers(const Mesh& from, const Mesh& to) { return from.points.size() == to.points.size(); }
+
 /// The corners of both surfaces, three for each triangle.
 struct CornerPairs {
   std::vector<Vec3d> from, to;
   std::vector<std::uint32_t> number;  ///< the same for corners at one point of a file
 };
 
-/// @throw DataError  the faces differ
-CornerPairs cornersOf(const Mesh& from, const Mesh& to, const std::string& name) {
-  if (from.triangles.size() != to.triangles.size())
-    throw DataError("the target has " + std::to_string(from.triangles.size()) + " triangles, and " + name + " has " +
-                    std::to_string(to.triangles.size()) + "; give meshes with the same faces");
-  // Polygons of moved points may be cut into other triangles; their corners are found by their numbers. Files without
-  // numbers, such as STL, have the same order of triangles only.
-  const bool numbered = from.points.size() == to.points.size();
+/// @pre the meshes have the same faces
+CornerPairs cornersOf(const Mesh& from, const Mesh& to) {
+  const bool numbered = haveNumbers(from, to);
   CornerPairs pairs;
   for (std::size_t i = 0; i < from.triangles.size(); ++i) {
     const Vec3I &a = from.triangles[i], &b = numbered ? from.triangles[i] : to.triangles[i];
-    if (numbered) {
-      const Vec3I& same = to.triangles[i];
-      int shared = 0;
-      for (int k = 0; k < 3; ++k)
-        for (int j = 0; j < 3; ++j) shared += a[k] == same[j];
-      if (shared < 1)
-        throw DataError(
-            "triangle " + std::to_string(i + 1) + " of " + name +
-            " has other corners than that of the target; give meshes with the same faces, in the same order");
-    }
     for (int k = 0; k < 3; ++k) {
       pairs.from.push_back(from.points[a[k]]);
       pairs.to.push_back(to.points[b[k]]);
@@ -241,8 +230,23 @@ void requireOneUnit(const SearchUnits& fromUnits, const SearchUnits& toUnits, co
 
 }  // namespace
 
+void requireSameFaces(const Mesh& mesh, const Mesh& other, const std::string& name) {
+  if (mesh.triangles.size() != other.triangles.size())
+    throw DataError("the target has " + std::to_string(mesh.triangles.size()) + " triangles, and " + name + " has " +
+                    std::to_string(other.triangles.size()) + "; give meshes with the same faces");
+  if (!haveNumbers(mesh, other)) return;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Vec3I &a = mesh.triangles[i], &b = other.triangles[i];
+    const auto isShared = [&](int corner) { return a[corner] == b[0] || a[corner] == b[1] || a[corner] == b[2]; };
+    if (!isShared(0) && !isShared(1) && !isShared(2))
+      throw DataError("triangle " + std::to_string(i + 1) + " of " + name +
+                      " has other corners than that of the target; give meshes with the same faces, in the same order");
+  }
+}
+
 SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& name) {
-  const CornerPairs pairs = cornersOf(from, to, name);
+  requireSameFaces(from, to, name);
+  const CornerPairs pairs = cornersOf(from, to);
   mParts = std::make_unique<Parts>(pairs, name);
   Parts& parts = *mParts;
   requireOneSide(pairs, parts.overall, name);

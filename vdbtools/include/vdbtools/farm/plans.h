@@ -133,6 +133,8 @@ struct FramePlanOptions {
   std::vector<std::string> makes{"vdb"};  ///< any of writtenFormats()
   std::optional<double> resolution{};     ///< the value of `--resolution auto` at every frame that has it
   std::optional<double> sdfResolution{};  ///< that of `--sdf-resolution auto`, likewise
+  std::optional<double> voxelSize{};      ///< of all frames, world units; nullopt: as their recipes say
+  bool missingFails = true;               ///< whether a missing file fails all frames, and not only its own
 };
 
 /// If the target is one glTF with animations, and its frame is neither given nor keyed, gives each frame its own number
@@ -161,9 +163,16 @@ Manifest planFrames(const FramePlanOptions& options);
 
 // The recipes of a sequence whose frames one process makes one after the other.
 
+/// A voxel size for all frames of a sequence whose target changes its size.
+struct SharedVoxel {
+  double size = 0;  ///< world units
+  int frame = 0;    ///< whose target is the largest
+};
+
 class FrameRecipes {
  public:
-  /// Checks the options of every frame, and that the files they name exist. Nothing is opened.
+  /// Checks the options of every frame, and that the files they name exist (FramePlanOptions::missingFails). Nothing is
+  /// opened.
   /// @param options  without names and makes, which belong to plans
   /// @throw std::invalid_argument  an option is refused (the message names the frame)
   /// @throw MissingInputError      names the first few missing files
@@ -174,16 +183,27 @@ class FrameRecipes {
   /// The files that any of the frames names.
   const InputFiles& inputs() const { return mInputs; }
 
+  /// Opens the target of a frame, its mesh at rest and its neighbours, and compares their faces, so that a broken file
+  /// is found before the work begins. Files that earlier frames have named are not opened again.
+  /// @throw MissingInputError, DataError, IoError  as when reading the files
+  void look(int frame, Monitor& monitor);
+
+  /// The voxels that the largest target needs, if the frames have one resolution, no rest, and targets of several
+  /// sizes.
+  /// @param options  with the resolution that was chosen
+  /// @pre look() for each frame that counts
+  std::optional<SharedVoxel> sharedVoxel(const FramePlanOptions& options) const;
+
   /// The complete recipe of a frame, with the hashes of its files. A file that several frames name is read once, and
   /// later recipes use its hash to refuse a changed file.
   /// @throw MissingInputError, DataError, IoError  as when reading the files
   Recipe at(int frame) const;
 
  private:
-  struct Hashes;
+  struct Known;
   FramePlanOptions mOptions;
   InputFiles mInputs;
-  std::unique_ptr<Hashes> mHashes;
+  std::unique_ptr<Known> mKnown;
 };
 
 }  // namespace vdbtools::farm

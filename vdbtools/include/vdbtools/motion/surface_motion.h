@@ -40,6 +40,11 @@ struct AffineMap {
   openvdb::Vec3d operator()(const openvdb::Vec3d& x) const { return matrix * x + offset; }
 };
 
+/// Whether the second mesh may be the first one after a motion.
+/// @param name  of the second mesh, for errors
+/// @throw DataError  the meshes do not have the same triangles
+void requireSameFaces(const Mesh& mesh, const Mesh& other, const std::string& name);
+
 class SurfaceMotion {
  public:
   /// @param name  of the second mesh, for errors
