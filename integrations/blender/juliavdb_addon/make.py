@@ -263,6 +263,7 @@ class Making:
             raise programs.ProgramError(f"{path}: {volume.grids.error_message}")
         names = [grid.name for grid in volume.grids]
         volume.grids.active_index = names.index("density") if "density" in names else 0
+        volume.velocity_unit = "SECOND"
         # The import operator of Blender would decide by the file's metadata whether to turn a volume; a volume whose
         # path is set here is never turned. So what was turned for the program is turned back by the object.
         if fresh:
@@ -303,7 +304,7 @@ class Animating(Making):
     """Makes a fractal for each frame by one run of the program. The files stay where they are made, in a folder of their own."""
 
     def _prepare(self, context, source, rest, words):
-        first, last = settings.frames(self._range(source), context.scene)
+        first, last = settings.frames(self._recipe, context.scene)
         if first > last:
             raise programs.ProgramError(f"The first frame, {first}, is after the last one, {last}")
         # Blender plays no file whose number is negative.
@@ -329,9 +330,6 @@ class Animating(Making):
         self._file = folder / ("fractal.####.vdb" if self._volume else "fractal.####.ply")
         self._words = ["fractal", str(folder / "source.####.ply"), "--frames", f"{self._number(first)}-{self._number(last)}",
                        *([f"--rest={folder / 'rest.ply'}"] if rest is not None else []), *self._target(str(self._file)), *words]
-
-    def _range(self, source):
-        return (bpy.data.objects[self._made_before] if self._made_before else source).juliavdb
 
     def _number(self, frame):
         """The number of the file of a frame."""

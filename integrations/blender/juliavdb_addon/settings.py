@@ -255,11 +255,11 @@ def number(value):
     return format(value, ".7g")
 
 
-def frames(settings, scene):
-    """The first and the last frame of an animation."""
-    if settings.scene_range:
+def frames(recipe, scene):
+    """The first and the last frame of an animation, by what RECIPE names."""
+    if recipe["scene_range"]:
         return scene.frame_start, scene.frame_end
-    return settings.frame_first, settings.frame_last
+    return recipe["frame_first"], recipe["frame_last"]
 
 
 def is_result(candidate):
