@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the scripts of this folder read in the files of pictures: PNG, and the JPEG of thumbnails."""
+"""What the scripts of this folder read in the files of pictures: PNG, the JPEG of thumbnails, and GIF."""
 import struct
 import zlib
 
@@ -24,8 +24,11 @@ def segments(data):
 
 
 def pixels(picture):
-    """What a file shows, without what its text says: the rows of a PNG as they are stored, or the coded blocks of a JPEG."""
+    """What a file shows, without what its text says: the rows of a PNG as they are stored, the coded blocks of a JPEG, or all of a
+    GIF, which has no text."""
     data = picture.read_bytes()
+    if data[:3] == b"GIF":
+        return data
     if data[:2] == b"\xff\xd8":
         return [segment for marker, segment in segments(data) if not 0xE1 <= marker <= 0xEF and marker != 0xFE]
     found = [(kind, chunk[8:-4]) for kind, chunk in chunks(data) if kind in (b"IHDR", b"PLTE", b"tRNS", b"IDAT")]

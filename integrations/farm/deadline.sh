@@ -11,6 +11,18 @@ submit() {
   test -n "$job" || { printf '%s\n' "$said" >&2; exit 1; }
   echo "$1: job $job"
 }
+# Words as Deadline reads them: <QUOTE> stands for the double quotes about a word with blanks. It has no way to write a double
+# quote that belongs to a word.
+deadline_words() {
+  for word in "$@"; do
+    case $word in
+      *'"'*) echo "Deadline cannot pass on a double quote: $word" >&2; return 1 ;;
+      *[!A-Za-z0-9_.,:=+%@/-]* | '') printf '<QUOTE>%s<QUOTE> ' "$word" ;;
+      *) printf '%s ' "$word" ;;
+    esac
+  done
+}
+program=@{program:shell}
 tasks=
 @{if tasks}
 cat > "$files/tasks.job" <<'END_OF_FILE'
@@ -20,9 +32,10 @@ Frames=@{tasks}
 ChunkSize=@{batch}
 MachineLimit=@{jobs}
 END_OF_FILE
-cat > "$files/tasks.plugin" <<'END_OF_FILE'
-Executable=@{program}
-Arguments=@{task-arguments} --range <STARTFRAME>-<ENDFRAME>
+words=$(deadline_words @{task-arguments})
+cat > "$files/tasks.plugin" <<END_OF_FILE
+Executable=$program
+Arguments=$words --range <STARTFRAME>-<ENDFRAME>
 SingleFramesOnly=False
 END_OF_FILE
 submit tasks
@@ -35,9 +48,10 @@ Name=@{name} (merge)
 Frames=1
 END_OF_FILE
 test -z "$tasks" || echo "JobDependencies=$tasks" >> "$files/merge.job"
-cat > "$files/merge.plugin" <<'END_OF_FILE'
-Executable=@{program}
-Arguments=@{merge-arguments}
+words=$(deadline_words @{merge-arguments})
+cat > "$files/merge.plugin" <<END_OF_FILE
+Executable=$program
+Arguments=$words
 SingleFramesOnly=True
 END_OF_FILE
 submit merge

@@ -382,8 +382,8 @@ class Shell:
         for part in self.range.split(","):
             ends = part.split("-")
             frames += __import__("builtins").range(int(ends[0]), int(ends[-1]) + 1)
-        for frame in frames:
-            subprocess.run([word.replace("#IFRAME#", str(frame)) for word in self.command], check=True)
+        for frame in frames:   # the words of a command are joined by blanks, and a shell on the farm takes them apart
+            subprocess.run(" ".join(self.command).replace("#IFRAME#", str(frame)), shell=True, check=True)
 def launch(job, use_pycuerun):
     for number, layer in enumerate(job.layers):
         assert layer.behind == job.layers[:number]
@@ -405,9 +405,10 @@ class Job:
         if self.argv: subprocess.run(self.argv, check=True)
         return 1
 """
-# It reads both files, and runs the plugin's command for each piece of frames.
+# It reads both files, and runs the plugin's command for each piece of frames. Double quotes alone hold a word together, and <QUOTE>
+# stands for one.
 FAKE_DEADLINE = """#!/usr/bin/env python3
-import re, shlex, subprocess, sys
+import re, subprocess, sys
 job, plugin = (dict(line.split("=", 1) for line in open(name).read().splitlines()) for name in sys.argv[1:3])
 assert job["Plugin"] == "CommandLine"
 size = int(job.get("ChunkSize", 1))
@@ -415,7 +416,8 @@ for part in job["Frames"].split(","):
     first, last = int(part.split("-")[0]), int(part.split("-")[-1])
     for start in range(first, last + 1, size):
         words = plugin["Arguments"].replace("<STARTFRAME>", str(start)).replace("<ENDFRAME>", str(min(start + size - 1, last)))
-        subprocess.run([plugin["Executable"], *shlex.split(words)], check=True)
+        words = re.findall(r'(?:[^" ]|"[^"]*")+', words.replace("<QUOTE>", '"'))
+        subprocess.run([plugin["Executable"], *(word.replace('"', "") for word in words)], check=True)
 print("Result=Success\\nJobID=" + str(len(job)))
 """
 LEAST = "#!/bin/sh\nexec @{program:shell} @{task-arguments} --range @{tasks}\n"
@@ -454,6 +456,27 @@ class Script(farm.FarmTest):
                 run = self.submit(TEMPLATES / name, "-o", "m.vdb", "--dry-run", env=env)
                 self.assertNotIn(b"--index", run.stdout)
                 self.assertNotIn(b"--range", run.stdout)
+
+    def test_the_shipped_templates_take_folders_with_blanks_and_accents(self):
+        env = self.engines()
+        folder = "shot 010 äé/my plan's"
+        for name in ("opencue.py", "deadline.sh", "tractor.py"):
+            with self.subTest(name=name):
+                shutil.rmtree(self.path("shot 010 äé"), ignore_errors=True)
+                shutil.copytree(self.model / "done", self.path(folder))
+                for task in (2, 3):
+                    self.path(f"{folder}/tasks/{task:04}.json").unlink()
+                run = self.run_program("submit", folder, "--engine", "script", "--template", TEMPLATES / name,
+                                       "-o", "shot 010 äé/m $1.vdb", "--mesh", "shot 010 äé/m $1.ply", env=env)
+                self.assertEqual(run.returncode, DONE, run.stdout + run.stderr)
+                self.check_merged("shot 010 äé/m $1.vdb", "shot 010 äé/m $1.ply")
+
+    def test_deadline_is_not_given_what_it_cannot_pass_on(self):
+        env = self.engines()
+        shutil.copytree(self.model / FARM, self.path('a "farm"'))
+        run = self.run_program("submit", 'a "farm"', "--engine", "script", "--template", TEMPLATES / "deadline.sh", env=env)
+        self.assertNotEqual(run.returncode, DONE)
+        self.assertIn(b"double quote", run.stdout + run.stderr)
 
     def test_dry_runs_are_scripts(self):
         """Read by the parsers of their own languages; nothing is written."""

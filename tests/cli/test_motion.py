@@ -168,6 +168,14 @@ class Motion(harness.TextureTest):
             for words in ("frame 1", "s.1.obj", "1 more", "frame 3", "s.3.obj"):
                 self.assertIn(words, run.stderr.decode())
 
+    def test_faces_may_change_where_points_bring_their_places_at_rest(self):
+        for frame, torus in ((1, self.rest), (2, harness.torus(around=40, across=20))):
+            self.write(f"v.{frame:04}.ply", with_rest(bent(torus, 20 * frame), torus))
+        self.ok("fractal", "v.####.ply", "--rest-attribute", "rest", *LOW, "--frames", "1-2", "--mesh", "a.####.ply")
+        for frame in (1, 2):
+            self.ok("fractal", f"v.000{frame}.ply", "--rest-attribute", "rest", *LOW, "--mesh", "one.ply")
+            self.assertEqual(harness.read_ply(self.bytes("one.ply")).points, harness.read_ply(self.bytes(f"a.000{frame}.ply")).points)
+
     def test_attributes_are_those_at_rest(self):
         """The mask and the thickness are read at rest, and the distance in the pose."""
         options = ("--rest", "r.obj", "--mask", "y:0.2:1", "--attributes", "mask,tau,depth")

@@ -241,6 +241,18 @@ class Velocity(harness.CliTest):
         for found, wanted in zip(self.frame_velocities((1, 3, 5)), (4, 6, 8)):
             self.assertAlmostEqual(found / 2, wanted, places=4)
 
+    def test_half_frames_of_a_shutter(self):
+        """A target at t^3 goes by 3 t^2 + 1 a frame from the frame before to the frame after, and by 3 t^2 + 1/4 between the half
+        frames about it, which have twice the rate."""
+        for name, off in (("in", 0), ("before", -0.5), ("after", 0.5)):
+            for frame in range(4):
+                self.write(f"{name}.{frame:04}.obj", harness.obj(shifted(self.ball, (0.1 * (frame + off) ** 3, 0, 0))))
+        words = ("fractal", "in.####.obj", *self.LOW, "--rest", "s.obj", "--mesh", "f.####.ply", "--frames", "1-2", "--force")
+        for more, beside in (((), 1), (("--target-before", "before.####.obj", "--target-after", "after.####.obj", "--fps", 2 * FPS), 0.25)):
+            self.ok(*words, *more)
+            for frame in (1, 2):
+                self.assert_near(self.velocities(f"f.000{frame}.ply")[1], [0.1 * FPS * (3 * frame ** 2 + beside), 0, 0], 1e-3)
+
     def test_a_plan_of_frames(self):
         self.write_frames((1, 2, 3))
         self.ok("plan", "frames", "in.####.obj", "--frames", "1-3", *self.LOW, "--make", "ply", "-o", "plan")

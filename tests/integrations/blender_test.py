@@ -32,6 +32,7 @@ import bpy           # noqa: E402
 import addon_utils   # noqa: E402
 import numpy         # noqa: E402
 from mathutils import Matrix, Vector   # noqa: E402
+from mathutils.bvhtree import BVHTree   # noqa: E402
 
 PROGRAM = os.path.abspath(os.environ["JULIAVDB"])
 sys.path.insert(0, str(ROOT / "integrations/blender"))
@@ -333,6 +334,13 @@ class Addon(unittest.TestCase):
                 self.source(more=more)
                 self.assertIn("--sdf-resolution=60", self.make()["juliavdb_command"])
 
+    def test_attributes_under_more_come_beside_the_colours(self):
+        for colour, more, expected in (("NONE", "trap", "trap"), ("trap", "trap", "Cd,trap"), ("trap", "trap,Cd", "trap,Cd")):
+            with self.subTest(colour=colour, more=more):
+                self.source(colour=colour, more=f"--sdf-resolution 60 --attributes {more}", hide_source=False)
+                command = self.make()["juliavdb_command"].split()
+                self.assertEqual([word for word in command if "attributes" in word], [f"--attributes={expected}"])
+
     def test_a_blend_of_somebody_else_writes_no_file(self):
         """Whatever stands in the settings of an object, only the add-on's own files are made."""
         precious = self.folder / "precious.vdb"
@@ -560,7 +568,7 @@ class Addon(unittest.TestCase):
                 self.assertAlmostEqual(one, other, delta=0.005)
 
     def write_source(self, source):
-        points, triangles, attributes, _ = self.addon.meshes.to_arrays(source, bpy.context)
+        points, triangles, attributes, *_ = self.addon.meshes.to_arrays(source, bpy.context)
         data = self.addon.ply.encoded(self.addon.meshes.z_up_to_y_up(points), triangles, attributes)
         (self.folder / "source.ply").write_bytes(data)
 
@@ -723,6 +731,343 @@ class Addon(unittest.TestCase):
             before = len(asked)
             self.assertIn("texture", drawn())
             self.assertEqual(len(asked), before, "it is asked once")
+
+    def tube(self, turn=math.radians(90), **recipe):
+        """A tube along Z from 0 to 4 with round ends, which an armature bends about Y over the frames 1 to 10: below 1 it stands,
+        above 3 it is turned as a whole. Its object is turned, scaled and moved."""
+        rings, around, radius = 32, 20, 0.5
+        rows = [(radius - radius * math.cos(a), radius * math.sin(a)) for a in numpy.linspace(0, math.pi / 2, 6)[:-1]]
+        rows += [(z, radius) for z in numpy.linspace(radius, 4 - radius, rings)]
+        rows += [(4 - low, r) for low, r in rows[4::-1]]
+        points, faces = [], []
+        for z, r in rows[1:-1]:
+            points += [(r * math.cos(2 * math.pi * k / around), r * math.sin(2 * math.pi * k / around), z) for k in range(around)]
+        for low in range(0, len(points) - around, around):
+            faces += [(low + k, low + (k + 1) % around, low + around + (k + 1) % around, low + around + k) for k in range(around)]
+        faces += [tuple(reversed(range(around))), tuple(range(len(points) - around, len(points)))]
+        mesh = bpy.data.meshes.new("Tube")
+        mesh.from_pydata(points, [], faces)
+        tube = bpy.data.objects.new("Tube", mesh)
+        bones = bpy.data.objects.new("Bones", bpy.data.armatures.new("Bones"))
+        for thing in (tube, bones):
+            bpy.context.scene.collection.objects.link(thing)
+        tube.matrix_world = Matrix.Translation((3, -2, 1)) @ Matrix.Rotation(0.7, 4, "Y") @ Matrix.Scale(2, 4)
+        bones.parent = tube
+        bpy.context.view_layer.objects.active = bones
+        bpy.ops.object.mode_set(mode="EDIT")
+        below, above = (bones.data.edit_bones.new(name) for name in ("below", "above"))
+        below.head, below.tail, above.head, above.tail = (0, 0, 0), (0, 0, 2), (0, 0, 2), (0, 0, 4)
+        above.parent = below
+        bpy.ops.object.mode_set(mode="OBJECT")
+        for name in ("below", "above"):
+            group = tube.vertex_groups.new(name=name)
+            for index, point in enumerate(points):
+                share = min(max((point[2] - 1) / 2, 0), 1)
+                group.add([index], share if name == "above" else 1 - share, "REPLACE")
+        tube.modifiers.new("Bend", "ARMATURE").object = bones
+        bone = bones.pose.bones["above"]
+        bone.rotation_mode = "XYZ"
+        for frame, angle in ((1, 0), (10, turn)):
+            bone.rotation_euler = (angle, 0, 0)   # the bone's X is -Y of the tube or Y; see turned_back()
+            bone.keyframe_insert("rotation_euler", frame=frame)
+        for curve in bones.animation_data.action.fcurves:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+        scene = bpy.context.scene
+        scene.frame_start, scene.frame_end = 1, 10
+        scene.frame_set(1)
+        for other in scene.objects:
+            other.select_set(other == tube)
+        bpy.context.view_layer.objects.active = tube
+        for name, value in {"resolution": 48, "more": "--sdf-resolution 60", "detail": 0.8, "frequency": 1, **recipe}.items():
+            setattr(tube.juliavdb, name, value)
+        return tube
+
+    def top_bend(self):
+        """What the bone of the upper part does in the coordinates of the tube."""
+        bone = bpy.data.objects["Bones"].pose.bones["above"]
+        return bone.matrix @ bone.bone.matrix_local.inverted()
+
+    def points_of(self, thing):
+        points = numpy.empty(3 * len(thing.data.vertices))
+        thing.data.vertices.foreach_get("co", points)
+        return points.reshape(-1, 3)
+
+    def tree(self, thing):
+        return BVHTree.FromPolygons([vertex.co for vertex in thing.data.vertices],
+                                    [polygon.vertices[:] for polygon in thing.data.polygons])
+
+    def off(self, tree, points):
+        """The mean distance of points from a mesh, in voxels of the tube."""
+        return numpy.mean([tree.find_nearest(point)[3] for point in points]) / (4 / 48)
+
+    def off_when_bent(self, result):
+        """The mean distance of the upper part of a result, turned back, from the result at rest, in voxels."""
+        scene = bpy.context.scene
+        scene.frame_set(1)
+        at_rest = self.tree(result)
+        scene.frame_set(10)
+        back = self.top_bend().inverted()
+        self.assertGreater(back.to_euler().to_quaternion().angle, 1, "nothing bends")
+        points = [back @ Vector(point) for point in self.points_of(result)]
+        return self.off(at_rest, [point for point in points if point.z > 3.2][::5])
+
+    def key_object(self, thing):
+        """The object itself moves as well."""
+        for frame, turn in ((1, 0), (10, 1)):
+            thing.rotation_euler.x = turn
+            thing.location.z = turn
+            thing.keyframe_insert("rotation_euler", frame=frame)
+            thing.keyframe_insert("location", frame=frame)
+
+    def test_an_animation_sticks_and_plays(self):
+        tube = self.tube()
+        self.key_object(tube)
+        bpy.context.scene.frame_set(4)
+        self.assertEqual(bpy.ops.juliavdb.animate(), {"FINISHED"})
+        result = bpy.context.object
+        self.assertEqual((result.type, result.parent, bpy.context.scene.frame_current), ("MESH", tube, 4))
+        self.assertIn("--rest=", result["juliavdb_command"])
+        self.assertTrue(bpy.context.scene.render.use_lock_interface)
+        seen = set()
+        for frame in (10, 1, 2, 3, 4, 5, 6, 7, 8, 9):
+            bpy.context.scene.frame_set(frame)
+            points = self.points_of(result)
+            seen.add(points.tobytes())
+            self.assertEqual(len(result.data.materials), 1)
+            self.assertTrue(all(polygon.use_smooth for polygon in result.data.polygons))
+            self.assert_same_box(corners(tube), corners(result), 0.8)
+        self.assertEqual(len(seen), 10, "each frame has its own mesh")
+        # Outside the range it stays as it is at its ends.
+        for outside, inside in ((0, 1), (20, 10)):
+            bpy.context.scene.frame_set(inside)
+            points = self.points_of(result)
+            bpy.context.scene.frame_set(outside)
+            self.assertTrue(numpy.array_equal(self.points_of(result), points))
+        sticks = self.off_when_bent(result)
+        result.juliavdb.stick = False
+        self.assertEqual(bpy.ops.juliavdb.update(), {"FINISHED"})
+        self.assertNotIn("--rest=", result["juliavdb_command"])
+        swims = self.off_when_bent(result)
+        self.assertLess(sticks, 0.4)
+        self.assertGreater(swims, 2 * sticks)
+
+    def test_an_animation_of_a_volume_plays(self):
+        tube = self.tube(output="VOLUME", scene_range=False, frame_first=-2, frame_last=10, resolution=32, detail=0.2)
+        self.key_object(tube)
+        self.assertEqual(bpy.ops.juliavdb.animate(), {"FINISHED"})
+        result = bpy.context.object
+        self.assertEqual((result.type, result.parent), ("VOLUME", tube))
+        self.assertIn("--rest=", result["juliavdb_command"])
+        self.assertTrue(result.data.is_sequence)
+        surface = surface_of(result, "surface", 0)
+        heights = []
+        for frame in (-2, 1, 5, 10, 15):
+            bpy.context.scene.frame_set(frame)
+            box = corners(surface)
+            self.assert_same_box(corners(tube), box, 0.8)
+            heights.append(box[1][2])
+        self.assertEqual((heights[0], heights[3]), (heights[1], heights[4]), "it moves from frame 1 to 10")
+        self.assertEqual(len(set(heights)), 3)
+        bpy.context.view_layer.objects.active = result
+        self.assertEqual(bpy.ops.juliavdb.add_surface(), {"FINISHED"})
+
+    def test_an_animation_can_be_rendered_and_is_in_the_file(self):
+        self.preferences().folder = "//volumes"
+        blend = str(self.folder / "scene.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=blend)
+        self.tube(resolution=24, scene_range=False, frame_first=9, frame_last=10,
+                  more="--sdf-resolution 60 --attributes velocity --fps 24", colour="trap")
+        bpy.ops.juliavdb.animate()
+        name = bpy.context.object.name
+        scene = bpy.context.scene
+        scene.frame_set(9)
+        bpy.ops.wm.save_as_mainfile(filepath=blend)
+        bpy.ops.wm.open_mainfile(filepath=blend)
+        scene, result = bpy.context.scene, bpy.data.objects[name]
+        self.assertTrue(result.juliavdb.sequence.startswith("//volumes"), result.juliavdb.sequence)
+        for thing, data, place in (("sun", bpy.data.lights.new("sun", "SUN"), (0, 0, 9)),
+                                   ("camera", bpy.data.cameras.new("camera"), (6, 0, 30))):
+            scene.collection.objects.link(bpy.data.objects.new(thing, data))
+            bpy.data.objects[thing].location = place
+        scene.camera = bpy.data.objects["camera"]
+        scene.render.engine, scene.cycles.samples, scene.cycles.device = "CYCLES", 4, "CPU"
+        scene.cycles.use_denoising = False
+        scene.render.resolution_x = scene.render.resolution_y = 48
+        scene.frame_start, scene.frame_end, scene.render.filepath = 9, 10, str(self.folder / "film")
+        bpy.ops.render.render(animation=True)
+        pixels = lambda file: numpy.array(bpy.data.images.load(str(self.folder / file)).pixels[:])   # noqa: E731
+        for frame in (10, 9):
+            scene.frame_set(frame)
+            names = [each.name for each in result.data.attributes if each.name.startswith("velocity")]
+            self.assertEqual(names, ["velocity"])
+            scene.render.filepath = str(self.folder / f"still{frame}.png")
+            bpy.ops.render.render(write_still=True)
+            self.assertTrue(numpy.array_equal(pixels(f"film{frame:04}.png"), pixels(f"still{frame}.png")))
+        self.assertFalse(numpy.array_equal(pixels("still9.png"), pixels("still10.png")))
+
+    def test_a_still_sticks_under_shape_keys_and_modifiers(self):
+        """A pose that is the whole shape turned: the fractal is the one at rest, turned."""
+        turn = Matrix.Rotation(0.5, 3, (1, 2, 3))
+        for kind in ("keys", "modifier", "driven"):
+            with self.subTest(kind=kind):
+                source = self.source(hide_source=False, up="Y", detail=0.8, frequency=1, resolution=2 * RESOLUTION)
+                at_rest = self.tree(self.make())
+                bpy.context.view_layer.objects.active = source
+                if kind == "modifier":
+                    hook = source.modifiers.new("Hook", "HOOK")
+                    hook.object = bpy.data.objects.new("Handle", None)
+                    bpy.context.scene.collection.objects.link(hook.object)
+                    hook.vertex_indices_set(range(len(source.data.vertices)))
+                    hook.matrix_inverse = Matrix()
+                    hook.object.matrix_world = source.matrix_world @ turn.to_4x4()
+                else:
+                    for name in ("Basis", "Other", "Turned"):
+                        source.shape_key_add(name=name)
+                    keys = source.data.shape_keys.key_blocks
+                    for vertex in keys["Turned"].data:
+                        vertex.co = turn @ vertex.co
+                    keys["Turned"].value = 1
+                    source.active_shape_key_index = 2
+                    if kind == "driven":
+                        keys["Turned"].driver_add("value").driver.expression = "1"
+                bpy.context.view_layer.update()
+                where = {}
+                for sticks in (True, False):
+                    source.juliavdb.stick = sticks
+                    bpy.context.view_layer.objects.active = source
+                    result = self.make()
+                    self.assertEqual("--rest=" in result["juliavdb_command"], sticks)
+                    points = self.points_of(result) @ numpy.array(turn)
+                    where[sticks] = numpy.mean([at_rest.find_nearest(point)[3] for point in points[::5]]) / (self.voxel(source) / 2)
+                    if kind != "modifier":
+                        self.assertEqual((source.show_only_shape_key, source.active_shape_key_index), (False, 2))
+                        self.assertEqual(keys["Turned"].value, 1)
+                    else:
+                        self.assertTrue(hook.show_viewport)
+                self.assertLess(where[True], 0.3)
+                self.assertGreater(where[False], 2 * where[True])
+
+    def test_other_faces_cannot_stick(self):
+        tube = self.tube(resolution=24)
+        tube.modifiers.new("Remesh", "REMESH").voxel_size = 0.3
+        bpy.context.scene.frame_set(10)
+        for operator in (bpy.ops.juliavdb.make, bpy.ops.juliavdb.animate):
+            with self.assertRaisesRegex(RuntimeError, "cannot stick .* at rest, without Bend.*switch off Stick to the Surface"):
+                operator()
+            self.assertIn("cannot stick", tube.juliavdb.stick_refused)
+            self.assertEqual(self.files(), [])
+            self.assertFalse((self.folder / "volumes").exists())
+            self.assertEqual((bpy.context.scene.frame_current, tube.modifiers["Bend"].show_viewport), (10, True))
+        self.assertTrue(any("cannot stick" in text for text in self.drawn_whole()))
+        tube.juliavdb.stick = False
+        self.make()
+        self.assertEqual(tube.juliavdb.stick_refused, "")
+
+    def test_what_moves_is_known(self):
+        source = self.source()
+        moves = self.addon.meshes.what_moves
+        for kind in ("SUBSURF", "DISPLACE", "MIRROR", "SMOOTH"):
+            source.modifiers.new(kind, kind)
+        source.shape_key_add(name="Basis")
+        self.assertEqual(moves(source), [])
+        self.assertNotIn("stick", self.drawn_whole())
+        for kind in sorted(self.addon.meshes.MOVING - {"OCEAN"}):
+            modifier = source.modifiers.new("Mover", kind)
+            self.assertEqual(moves(source), ["Mover"], kind)
+            self.assertIn("stick", self.drawn_whole())
+            modifier.show_viewport = False
+            self.assertEqual(moves(source), [])
+            source.modifiers.remove(modifier)
+        ocean = source.modifiers.new("Mover", "OCEAN")
+        self.assertEqual(moves(source), [])
+        ocean.geometry_mode = "DISPLACE"
+        self.assertEqual(moves(source), ["Mover"])
+        source.modifiers.remove(ocean)
+        source.shape_key_add(name="Other")
+        self.assertEqual(moves(source), ["shape keys"])
+
+    def drawn_whole(self):
+        """What the panel shows: the names of properties, and texts."""
+        layout = unittest.mock.MagicMock()
+        for name in ("column", "row", "box"):
+            getattr(layout, name).return_value = layout
+        self.addon.panel.Panel.draw(types.SimpleNamespace(layout=layout), bpy.context)
+        shown = [call.args[1] for call in layout.prop.call_args_list]
+        texts = " ".join(call.kwargs["text"] for call in layout.label.call_args_list)
+        return [*shown, texts, *(["icons"] if layout.template_icon_view.called else [])]
+
+    def test_without_pictures_there_is_no_black_rectangle(self):
+        self.source()
+        pictures = self.addon.pictures
+        pictures.shelf(PROGRAM)
+        with unittest.mock.patch.object(pictures, "icon", lambda _: 0):
+            self.assertNotIn("icons", self.drawn_whole())
+            self.assertIn("texture", self.drawn_whole())
+        with unittest.mock.patch.object(pictures, "icon", lambda _: 7):
+            self.assertIn("icons", self.drawn_whole())
+
+    def test_an_animation_is_refused_or_cancelled_without_a_trace(self):
+        self.tube(scene_range=False, frame_first=3, frame_last=2)
+        with self.assertRaisesRegex(RuntimeError, "first frame, 3, is after the last one, 2"):
+            bpy.ops.juliavdb.animate()
+        tube = self.tube(resolution=200)
+        before = set(bpy.data.objects)
+        bpy.ops.juliavdb.animate(wait=False)
+        end = time.monotonic() + 60
+        while self.addon.make.running.share == 0 and time.monotonic() < end:
+            self.addon.make.tick()
+            time.sleep(0.02)
+        bpy.ops.juliavdb.cancel()
+        self.pump(60)
+        self.assertEqual(self.addon.make.said, ("Cancelled", False))
+        self.assertEqual(set(bpy.data.objects), before)
+        self.assertEqual(self.addon.settings.results_of(tube), [])
+        self.assertFalse((self.folder / "volumes").exists())
+
+    def test_a_still_becomes_an_animation(self):
+        self.tube(resolution=24, scene_range=False, frame_first=9, frame_last=10)
+        result = self.make()
+        self.assertEqual(result.juliavdb.sequence, "")
+        for output in ("MESH", "VOLUME"):
+            result.juliavdb.output = output
+            self.assertEqual(bpy.ops.juliavdb.animate(), {"FINISHED"})
+            result = bpy.context.object
+            self.assertEqual((result.type, result.juliavdb.sequence != ""), (output, True))
+            self.assertEqual(len(self.addon.settings.results_of(result.juliavdb.source)), 1)
+            before = result.juliavdb.sequence
+            self.assertEqual(bpy.ops.juliavdb.update(), {"FINISHED"})
+            self.assertEqual(result.juliavdb.sequence, before, "the same recipe has the same files")
+
+    def test_a_sequence_comes_in_by_one_click(self):
+        source = self.plain(hide_source=False)
+        for number in (7, 8, 10):
+            for vertex in source.data.vertices:
+                vertex.co.x += 1
+            self.write_source(source)
+            subprocess.run([PROGRAM, "fractal", "source.ply", "--mesh", f"s.{number:04}.ply", "-o", f"s.{number:04}.vdb", "--mask", "0",
+                            "--grids", "surface,density", "--resolution", str(RESOLUTION), "--sdf-resolution", "60",
+                            "--progress", "none"], cwd=self.folder, check=True, capture_output=True)
+        shutil.copy(self.folder / "s.0007.ply", self.folder / "s.00001.ply")   # other files
+        shutil.copy(self.folder / "s.0007.ply", self.folder / "t.0001.ply")
+        scene = bpy.context.scene
+        for kind in ("ply", "vdb"):
+            with self.subTest(kind=kind):
+                scene.frame_set(8)
+                self.assertEqual(bpy.ops.juliavdb.import_file(filepath=str(self.folder / f"s.0007.{kind}")), {"FINISHED"})
+                result = bpy.context.object
+                shown = result if kind == "ply" else surface_of(result, "surface", 0)
+                places = []
+                frames = (1, 7, 8, 9, 10, 11) if kind == "ply" else (1, 7, 8, 10, 11)
+                for frame in frames:
+                    scene.frame_set(frame)
+                    places.append(round(float(corners(shown)[0][0]), 3))
+                steps = numpy.diff(places)
+                expected = (0, 1, 0, 1, 0) if kind == "ply" else (0, 1, 1, 0)
+                self.assertLess(numpy.abs(steps - expected).max(), 0.05, places)
+        for name, arguments in (("s.0007.ply", {"sequence": False}), ("t.0001.ply", {})):
+            bpy.ops.juliavdb.import_file(filepath=str(self.folder / name), **arguments)
+            self.assertEqual(bpy.context.object.juliavdb.sequence, "")
 
     def test_the_panel_has_what_it_draws(self):
         """There is no window to draw in, but every property and operator that the panel names must exist."""

@@ -10,6 +10,7 @@ ply.py      reading and writing PLY, without Blender
 meshes.py   Blender's meshes from and to arrays
 settings.py the add-on's preferences, and the settings that every object keeps
 pictures.py a small picture of each texture
+sequences.py files for each frame, and what plays them
 materials.py the materials of results, and nodes that make a surface of a volume
 make.py     from the settings to the result in the scene
 bring.py    File > Import > JuliaVDB
@@ -26,9 +27,9 @@ bl_info = {
     "category": "Object",
 }
 
-from . import bring, make, panel, pictures, settings
+from . import bring, make, panel, pictures, sequences, settings
 
-PARTS = (settings, pictures, make, bring, panel)
+PARTS = (settings, pictures, sequences, make, bring, panel)
 
 
 def register():

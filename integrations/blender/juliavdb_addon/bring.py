@@ -6,16 +6,14 @@ import math
 import os
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import BoolProperty, StringProperty
 
-from . import materials, meshes, ply, program as programs, settings
+from . import materials, meshes, ply, program as programs, sequences, settings
 
 
 def mesh_object(path):
     """A mesh object of a PLY. A file that does not say which axis is up has Z up, as PLYs usually do."""
-    points, triangles, colours, velocities = ply.read(path)
-    if ply.up_axis(path) == "y":
-        points, velocities = meshes.y_up_to_z_up(points), meshes.y_up_to_z_up(velocities)
+    points, triangles, colours, velocities = sequences.read(path, ply.up_axis(path) == "y")
     name = os.path.splitext(os.path.basename(path))[0]
     mesh = meshes.from_arrays(name, points, triangles, colours, velocities)
     mesh.materials.append(materials.surface(colours is not None))
@@ -52,6 +50,9 @@ class Import(bpy.types.Operator):
 
     filepath: StringProperty(subtype="FILE_PATH")
     filter_glob: StringProperty(default="*.ply;*.vdb", options={"HIDDEN"})
+    sequence: BoolProperty(
+        name="Sequence", default=True,
+        description="If the name of the file ends in a number, play all files whose names differ in this number only, each at its frame")
 
     def invoke(self, context, _):
         context.window_manager.fileselect_add(self)
@@ -60,6 +61,10 @@ class Import(bpy.types.Operator):
     def execute(self, context):
         path = bpy.path.abspath(self.filepath)
         try:
+            numbers = sequences.found(path) if self.sequence else []
+            if len(numbers) > 1:
+                path = sequences.file_at(path, max([number for number in numbers if number <= context.scene.frame_current],
+                                                   default=numbers[0]))
             if path.lower().endswith(".vdb"):
                 result = volume_object(path, settings.program(context))
             else:
@@ -68,6 +73,11 @@ class Import(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         context.collection.objects.link(result)
+        if len(numbers) > 1:
+            if result.type == "VOLUME":
+                sequences.set_volume(result, path, numbers[0], numbers[-1], 0)
+            else:
+                sequences.set_mesh(result, path, numbers[0], numbers[-1], 0, ply.up_axis(path) == "y")
         for other in context.selected_objects:
             other.select_set(False)
         result.select_set(True)
@@ -86,6 +96,7 @@ class AddSurface(bpy.types.Operator):
         return context.object is not None and context.object.type == "VOLUME"
 
     def execute(self, context):
+        context.object.data.grids.load()   # of a sequence, the file of this frame
         if "density" not in [grid.name for grid in context.object.data.grids]:
             self.report({"ERROR"}, "The volume has no grid 'density'; make it with --grids surface,density")
             return {"CANCELLED"}

@@ -9,14 +9,16 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import tempfile
 import textwrap
 import time
 
 import bpy
+import numpy
 from bpy.app.handlers import persistent
 
-from . import materials, meshes, pictures, ply, program as programs, settings
+from . import materials, meshes, pictures, ply, program as programs, sequences, settings
 
 # How often a running task is looked at, in seconds.
 INTERVAL = 0.2
@@ -69,50 +71,85 @@ class Making:
         self._recipe = {name: getattr(owner.juliavdb, name) for name in settings.RECIPE}
         self._volume = owner.juliavdb.output == "VOLUME"
         words = settings.words(owner.juliavdb)
-        paint = meshes.paint_name(source) if owner.juliavdb.paint != "NONE" else ""
-        if owner.juliavdb.paint != "NONE" and not paint:
+        self._paint = meshes.paint_name(source) if owner.juliavdb.paint != "NONE" else ""
+        if owner.juliavdb.paint != "NONE" and not self._paint:
             raise programs.ProgramError(f"'{source.name}' has no colour attribute; paint it, or set Paint to Nothing")
-        combed = owner.juliavdb.grain_attribute if "--grain=paint:" + settings.COMBED in words else None
-        points, triangles, attributes, vectors = meshes.to_arrays(source, context, paint, combed)
-        if self._recipe["up"] == "Z":
-            points, vectors = meshes.z_up_to_y_up(points), meshes.z_up_to_y_up(vectors)
-        if combed is not None:
-            attributes.update({f"{settings.COMBED}_{axis}": vectors[:, k] for k, axis in enumerate("xyz")})
-        self._longest = float((points.max(0) - points.min(0)).max())
-        self._prepare(context, ply.encoded(points, triangles, attributes), words)
+        self._combed = owner.juliavdb.grain_attribute if "--grain=paint:" + settings.COMBED in words else None
+        self._scratch = None
+        self._new = []        # what to remove if nothing comes of it
+        self._whole = set()   # the folders of it that go with all that is in them
         try:
+            self._prepare(context, source, self._rest(context, source, owner, words), words)
             self._run = programs.Run(settings.program(context), self._words)
+        except OSError as error:
+            self._clean_up()
+            raise programs.ProgramError(f"{error.filename}: {error.strerror}") from error
         except programs.ProgramError:
             self._clean_up()
             raise
 
-    def _prepare(self, context, data, words):
-        """The folder and the files. A volume stays where it is made, with the mesh that its recipe names beside it."""
-        self._scratch = None
-        self._new = []   # what to remove if nothing comes of it
+    def _rest(self, context, source, owner, words):
+        """The source at rest, or None if its fractal need not or shall not stick to it."""
+        owner.juliavdb.stick_refused = ""
+        # Under More may stand another target at rest.
+        if (not self._recipe["stick"] or not meshes.what_moves(source)
+                or any(word.partition("=")[0] in ("--rest", "--rest-frame", "--rest-attribute") for word in words)):
+            return None
+        try:
+            rest = meshes.at_rest(source, context, self._paint, self._combed)
+            meshes.check_faces(source, rest, self._pose(context, source))
+        except programs.ProgramError as error:
+            owner.juliavdb.stick_refused = str(error)
+            raise
+        return rest
+
+    def _pose(self, context, source):
+        return meshes.to_arrays(source, context, self._paint, self._combed)
+
+    def _encoded(self, mesh, triangles):
+        points, vectors = mesh.points, mesh.vectors
+        if self._recipe["up"] == "Z":
+            points, vectors = meshes.z_up_to_y_up(points), meshes.z_up_to_y_up(vectors)
+        attributes = dict(mesh.attributes)
+        if self._combed is not None:
+            attributes.update({f"{settings.COMBED}_{axis}": vectors[:, k] for k, axis in enumerate("xyz")})
+        return ply.encoded(points, triangles, attributes)
+
+    def _prepare(self, context, source, rest, words):
+        """The folder and the files. A volume stays where it is made, with the meshes that its recipe names beside it."""
+        pose = self._pose(context, source)
+        # Blender may cut a face with four corners in another way in each pose.
+        triangles = pose.triangles if rest is None else rest.triangles
+        self._longest = float((pose.points.max(0) - pose.points.min(0)).max())
+        data = {"source": self._encoded(pose, triangles)}
+        if rest is not None and not numpy.array_equal(rest.points, pose.points):
+            data["rest"] = self._encoded(rest, triangles)
         if self._volume:
             folder = pathlib.Path(output_folder(context))
-            stem = file_stem(self._source, data, words)
-            mesh = folder / f"{stem}.source.ply"
+            stem = file_stem(self._source, b"".join(data.values()), words)
+            names = {key: folder / f"{stem}.{key}.ply" for key in data}
             self._file = folder / f"{stem}.vdb"
         else:
             self._scratch = tempfile.TemporaryDirectory(prefix="juliavdb_")
-            mesh = pathlib.Path(self._scratch.name, "source.ply")
+            names = {key: pathlib.Path(self._scratch.name, f"{key}.ply") for key in data}
             self._file = pathlib.Path(self._scratch.name, "result.ply")
-        try:
-            for folder in (mesh.parent, *mesh.parent.parents):
-                if folder.exists():
-                    break
-                self._new.append(folder)
-            mesh.parent.mkdir(parents=True, exist_ok=True)
-            if not mesh.exists():
-                self._new.insert(0, mesh)
-                mesh.write_bytes(data)
-        except OSError as error:
-            self._clean_up()
-            raise programs.ProgramError(f"{error.filename or mesh}: {error.strerror}") from error
-        target = ["-o", str(self._file), "--grids", "surface,density"] if self._volume else ["--mesh", str(self._file)]
-        self._words = ["fractal", str(mesh), *target, *words]
+        self._make_folder(self._file.parent)
+        for key, path in names.items():
+            if not path.exists():
+                self._new.insert(0, path)
+                path.write_bytes(data[key])
+        self._words = ["fractal", str(names["source"]), *([f"--rest={names['rest']}"] if "rest" in names else []),
+                       *self._target(str(self._file)), *words]
+
+    def _make_folder(self, folder):
+        for each in (folder, *folder.parents):
+            if each.exists():
+                break
+            self._new.append(each)
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def _target(self, file):
+        return ["-o", file, "--grids", "surface,density"] if self._volume else ["--mesh", file]
 
     @property
     def share(self):
@@ -157,7 +194,12 @@ class Making:
             self._scratch = None
         for path in self._new:
             with contextlib.suppress(OSError):
-                path.rmdir() if path.is_dir() else path.unlink()
+                if path.is_dir() and path in self._whole:
+                    shutil.rmtree(path)
+                elif path.is_dir():
+                    path.rmdir()
+                else:
+                    path.unlink()
         self._new = []
 
     def _bring_in(self):
@@ -176,11 +218,16 @@ class Making:
         result["juliavdb_up"] = self._recipe["up"]
         if result is not old:
             self._place(result, source, scene, old)
+        self._set_sequence(result, scene)
+
+    def _set_sequence(self, result, _):
+        sequences.clear(result)
+
+    def _read_file(self):
+        return str(self._file)
 
     def _mesh_object(self, name, old, source):
-        points, triangles, colours, velocities = ply.read(self._file)
-        if self._recipe["up"] == "Z":
-            points, velocities = meshes.y_up_to_z_up(points), meshes.y_up_to_z_up(velocities)
+        points, triangles, colours, velocities = sequences.read(self._read_file(), self._recipe["up"] == "Z")
         mesh = meshes.from_arrays(name, points, triangles, colours, velocities)
         if old is None or old.type != "MESH":
             if self._material and (colours is not None or not source.data.materials):
@@ -198,18 +245,25 @@ class Making:
         mesh.name = name
         return old
 
-    def _volume_object(self, name, old, _):
-        path = str(self._file)
+    def _stored(self, path):
+        """The path as the .blend shall have it."""
         if bpy.data.filepath and not is_lost_with_blender(bpy.context):
             with contextlib.suppress(ValueError):   # on another drive
-                path = bpy.path.relpath(path)
+                return bpy.path.relpath(path)
+        return path
+
+    def _volume_object(self, name, old, _):
+        path = self._stored(self._read_file())
         fresh = old is None or old.type != "VOLUME"
         volume = bpy.data.volumes.new(name) if fresh else old.data
+        if volume.is_sequence:
+            volume.is_sequence = False
         volume.filepath = path
         if not volume.grids.load():
             raise programs.ProgramError(f"{path}: {volume.grids.error_message}")
         names = [grid.name for grid in volume.grids]
         volume.grids.active_index = names.index("density") if "density" in names else 0
+        volume.velocity_unit = "SECOND"
         # The import operator of Blender would decide by the file's metadata whether to turn a volume; a volume whose
         # path is set here is never turned. So what was turned for the program is turned back by the object.
         if fresh:
@@ -244,6 +298,83 @@ class Making:
         if self._hide:
             source.hide_set(True, view_layer=layer)
             source.hide_render = True
+
+
+class Animating(Making):
+    """Makes a fractal for each frame by one run of the program. The files stay where they are made, in a folder of their own."""
+
+    def _prepare(self, context, source, rest, words):
+        first, last = settings.frames(self._recipe, context.scene)
+        if first > last:
+            raise programs.ProgramError(f"The first frame, {first}, is after the last one, {last}")
+        # Blender plays no file whose number is negative.
+        self._first, self._last, self._shift = first, last, max(0, -first)
+        home = pathlib.Path(output_folder(context))
+        self._make_folder(home)
+        scratch = pathlib.Path(tempfile.mkdtemp(prefix="new_", dir=home))
+        self._new.insert(0, scratch)
+        self._whole.add(scratch)
+        found = hashlib.sha256()
+        with contextlib.closing(self._frames(context, source, rest)) as files:
+            for name, data in files:
+                found.update(data)
+                (scratch / name).write_bytes(data)
+        folder = home / file_stem(self._source, found.digest(), [*words, str(first), str(last)])
+        if folder.exists():   # with the same sources; frames that are there are kept
+            shutil.rmtree(scratch)
+        else:
+            scratch.rename(folder)
+            self._whole.add(folder)
+            self._new.insert(0, folder)
+        self._new.remove(scratch)
+        self._file = folder / ("fractal.####.vdb" if self._volume else "fractal.####.ply")
+        self._words = ["fractal", str(folder / "source.####.ply"), "--frames", f"{self._number(first)}-{self._number(last)}",
+                       *([f"--rest={folder / 'rest.ply'}"] if rest is not None else []), *self._target(str(self._file)), *words]
+
+    def _number(self, frame):
+        """The number of the file of a frame."""
+        return frame + self._shift
+
+    def _frames(self, context, source, rest):
+        """The files of the source: of each frame, and at rest. Goes through the frames, and returns to the one that was shown."""
+        scene, window = context.scene, context.window_manager
+        shown, between = scene.frame_current, scene.frame_subframe
+        self._longest = 0
+        if rest is not None:
+            yield "rest.ply", self._encoded(rest, rest.triangles)
+        window.progress_begin(self._first, self._last + 1)
+        sequences.paused = True
+        try:
+            with meshes.shown(source):
+                for frame in range(self._first, self._last + 1):
+                    window.progress_update(frame)
+                    scene.frame_set(frame)
+                    pose = self._pose(context, source)
+                    if rest is not None:
+                        meshes.check_faces(source, rest, pose, f" in frame {frame}")
+                    self._longest = max(self._longest, float((pose.points.max(0) - pose.points.min(0)).max()))
+                    yield (f"source.{self._number(frame):04}.ply",
+                           self._encoded(pose, pose.triangles if rest is None else rest.triangles))
+        finally:
+            sequences.paused = False
+            window.progress_end()
+            scene.frame_set(shown, subframe=between)
+
+    def _file_at(self, frame):
+        return str(self._file).replace("####", f"{self._number(frame):04}")
+
+    def _read_file(self):
+        scene = bpy.data.scenes[self._scene]
+        return self._file_at(max(self._first, min(self._last, scene.frame_current)))
+
+    def _set_sequence(self, result, scene):
+        path = self._stored(self._file_at(self._first))
+        numbers = self._number(self._first), self._number(self._last), self._shift
+        if result.type == "VOLUME":
+            sequences.set_volume(result, path, *numbers)
+        else:
+            sequences.set_mesh(result, path, *numbers, self._recipe["up"] == "Z")
+            sequences.show(result, scene.frame_current)
 
 
 def run_to_the_end(task):
@@ -347,6 +478,13 @@ def source_for(active):
     return active if active is not None and active.type == "MESH" else None
 
 
+def _in_view(context, source, result):
+    """The source. Raises ProgramError if it cannot be evaluated, because it is in another scene."""
+    if source.name not in context.view_layer.objects:
+        raise programs.ProgramError(f"'{source.name}', which '{result.name}' was made of, is not in this scene")
+    return source
+
+
 class Make(_Task, bpy.types.Operator):
     bl_idname = "juliavdb.make"
     bl_label = "Make Fractal"
@@ -378,10 +516,23 @@ class Update(_Task, bpy.types.Operator):
             # From the object that it was made of: with its settings, as they are now.
             result = settings.results_of(context.object)[-1]
             result.juliavdb.copy_recipe(context.object.juliavdb)
-        source = result.juliavdb.source
-        if source.name not in context.view_layer.objects:
-            raise programs.ProgramError(f"'{source.name}', which '{result.name}' was made of, is not in this scene")
-        return Making(context, source, result)
+        source = _in_view(context, result.juliavdb.source, result)
+        return (Animating if result.juliavdb.sequence else Making)(context, source, result)
+
+
+class Animate(_Task, bpy.types.Operator):
+    bl_idname = "juliavdb.animate"
+    bl_label = "Make Animation"
+    bl_description = "Make a fractal of each frame, which the result plays. A result becomes an animation"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and source_for(context.object) is not None
+
+    def task(self, context):
+        result = context.object if settings.is_result(context.object) else None
+        return Animating(context, _in_view(context, source_for(context.object), result), result)
 
 
 class MakePictures(_Task, bpy.types.Operator):
@@ -416,7 +567,7 @@ def stop_running(*_):
         task.stop()
 
 
-CLASSES = (Report, Make, Update, MakePictures, Cancel)
+CLASSES = (Report, Make, Update, Animate, MakePictures, Cancel)
 
 
 def register():

@@ -30,6 +30,7 @@ class Panel(bpy.types.Panel):
             column.enabled = make.running is None
             _settings(column, context, source)
             _buttons(column, context)
+            _motion(column, context, source)
         if make.running is not None:
             _progress(layout, make.running)
         _message(layout, context)
@@ -46,7 +47,9 @@ def _settings(layout, context, source):
     if known is None:
         layout.label(text="Asking for the textures ...", icon="TIME")
     elif known.textures:
-        layout.template_icon_view(chosen, "texture", show_labels=True, scale=6)
+        # Without pictures it would be a large black rectangle.
+        if pictures.icon(chosen.texture):
+            layout.template_icon_view(chosen, "texture", show_labels=True, scale=6)
         layout.prop(chosen, "texture")
         row = layout.row()
         row.enabled = pictures.has_seed(known.textures, chosen.versor)
@@ -82,7 +85,7 @@ def _settings(layout, context, source):
     if chosen.source is None:
         layout.prop(chosen, "material")
         layout.prop(chosen, "hide_source")
-    if chosen.output == "VOLUME" and make.is_lost_with_blender(context):
+    if (chosen.output == "VOLUME" or chosen.sequence) and make.is_lost_with_blender(context):
         _wrapped(layout, "Save the .blend file first: until then, volumes are kept only while Blender runs.", "INFO")
 
 
@@ -97,6 +100,23 @@ def _buttons(layout, context):
     row.operator("juliavdb.make", icon="PLAY").wait = False
     if settings.results_of(context.object):
         row.operator("juliavdb.update", icon="FILE_REFRESH").wait = False
+
+
+def _motion(layout, context, source):
+    chosen = context.object.juliavdb
+    box = layout.box()
+    moving = meshes.what_moves(source)
+    if moving:
+        box.prop(chosen, "stick")
+        if chosen.stick and chosen.stick_refused:
+            _wrapped(box, chosen.stick_refused, "ERROR")
+        elif chosen.stick:
+            _wrapped(box, f"At rest without {', '.join(moving)}", "ARMATURE_DATA")
+    box.prop(chosen, "scene_range")
+    if not chosen.scene_range:
+        box.prop(chosen, "frame_first")
+        box.prop(chosen, "frame_last")
+    box.operator("juliavdb.animate", icon="RENDER_ANIMATION").wait = False
 
 
 def _progress(layout, task):

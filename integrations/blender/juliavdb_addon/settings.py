@@ -12,7 +12,8 @@ from .program import ProgramError
 
 # What a result takes over from the object that it was made of.
 RECIPE = ("detail", "outward", "versor", "seed", "frequency", "roots", "power_low", "power_high", "resolution", "output",
-          "grain", "grain_attribute", "grain_turn", "paint", "paint_channel", "detail_black", "colour", "gradient", "up", "repair", "more")
+          "grain", "grain_attribute", "grain_turn", "paint", "paint_channel", "detail_black", "colour", "gradient", "up", "repair", "more",
+          "stick", "scene_range", "frame_first", "frame_last")
 # The colours that have a gradient; the others are colours by themselves.
 THROUGH_GRADIENT = ("trap", "iterations", "depth")
 # The grain that an attribute of the mesh decides. Its vectors reach the program by this name.
@@ -143,8 +144,23 @@ class Settings(bpy.types.PropertyGroup):
         name="More", description="More options of a recipe of 'juliavdb fractal', such as: --iterations 4 --largest 1")
     hide_source: BoolProperty(
         name="Hide Original", default=True, description="Hide the object itself, in the viewport and in renders")
+    stick: BoolProperty(
+        name="Stick to the Surface", default=True,
+        description="The fractal is that of the object at rest, without what moves its points, and sticks to the surface as it moves")
+    scene_range: BoolProperty(
+        name="Range of the Scene", default=True, description="Make Animation makes all frames of the scene")
+    frame_first: IntProperty(name="First Frame", default=1, description="The first frame that Make Animation makes")
+    frame_last: IntProperty(name="Last Frame", default=24, description="The last frame that Make Animation makes")
+    # Why the object did not stick to its surface when that was tried last, for the panel.
+    stick_refused: StringProperty(options={"HIDDEN"})
     # Of results only.
     source: PointerProperty(type=bpy.types.Object, name="Made of")
+    # Of what plays a sequence only: see sequences.py.
+    sequence: StringProperty(name="Sequence", subtype="FILE_PATH", description="A file of the sequence that the object plays")
+    sequence_first: IntProperty(description="The number of the first file of the sequence")
+    sequence_last: IntProperty(description="The number of the last file of the sequence")
+    sequence_shift: IntProperty(description="What the number of a file is more than the number of its frame")
+    sequence_turned: BoolProperty(description="Y is up in the files of the sequence")
 
     def copy_recipe(self, other):
         for name in RECIPE:
@@ -195,10 +211,16 @@ def words(settings):
                    f"--texture-powers={number(settings.power_low)}:{number(settings.power_high)}"]
     if settings.colour != "NONE":
         through = f":{settings.gradient}" if settings.colour in THROUGH_GRADIENT else ""
-        result += ["--attributes=Cd", f"--colour={settings.colour}{through}"]
+        result.append(f"--colour={settings.colour}{through}")
     if settings.repair:
         result.append("--repair")
-    return result + _more(settings.more, known)
+    # The attributes under More come beside that of the colours.
+    more = _more(settings.more, known)
+    listed = [word.partition("=")[2] for word in more if word.startswith("--attributes=")]
+    attributes = ["Cd"] * (settings.colour != "NONE" and not any("Cd" in each.split(",") for each in listed)) + listed
+    if attributes:
+        result.append("--attributes=" + ",".join(attributes))
+    return result + [word for word in more if not word.startswith("--attributes=")]
 
 
 def _more(text, known):
@@ -231,6 +253,13 @@ def _more(text, known):
 def number(value):
     """As it was typed: Blender keeps floats of 32 bits, and 0.1 would become 0.10000000149."""
     return format(value, ".7g")
+
+
+def frames(recipe, scene):
+    """The first and the last frame of an animation, by what RECIPE names."""
+    if recipe["scene_range"]:
+        return scene.frame_start, scene.frame_end
+    return recipe["frame_first"], recipe["frame_last"]
 
 
 def is_result(candidate):
