@@ -35,6 +35,11 @@ class Devices(harness.CliTest):
         super().setUp()
         self.write("t.obj", harness.obj(harness.torus()))
 
+    def use(self, *arguments, env=None):
+        """What the device did in a run."""
+        said = self.ok(*arguments, *ON, "--progress", "json", env=env)
+        return json.loads(said.splitlines()[-1])["counts"]
+
     def listed(self, env=None):
         return json.loads(self.ok("devices", "--json", data=True, env=env))
 
@@ -89,6 +94,39 @@ class SameBytes(Devices):
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
         log = self.path("there/logs/joblog").read_text()
         self.assertEqual(log.count("--device 'opencl:0' --index"), 2, log)
+
+    def test_of_meshes_whose_parts_are_written_as_they_come(self):
+        for extension in (".obj", ".stl", ".glb"):
+            with self.subTest(extension=extension):
+                self.same("fractal", "t.obj", "--resolution", 40, "--sdf-resolution", 28, outputs=("--mesh", extension))
+
+    def test_of_grains(self):
+        for options in (("--grain", "curvature", "--texture", "scales"), ("--grain", "around", "--texture", "woven")):
+            with self.subTest(options=options):
+                self.same("fractal", "t.obj", *LOW, *options)
+
+    def test_of_a_box_that_cuts_the_set(self):
+        for options in (("--box=-0.5,-1,-1,0.7,0.4,1",), ("--follow",)):
+            with self.subTest(options=options):
+                self.same("fractal", "t.obj", *LOW, *options)
+
+    def test_large_calls_in_which_little_is_copied(self):
+        """The nodes of all layers are evaluated together, up to some millions, and their edges searched together."""
+        uses = [self.use("fractal", "t.obj", "--resolution", n, "--sdf-resolution", 28, "--mesh", "a.ply") for n in (28, 56, 112)]
+        for use in uses:
+            # What tries the device and the field is the same for each.
+            self.assertLessEqual(use["deviceCalls"], uses[0]["deviceCalls"] + 2)
+            self.assertLess(use["deviceCalls"], 30)
+            self.assertEqual(use["deviceBytesOfFields"], uses[0]["deviceBytesOfFields"])
+        for less, more in zip(uses, uses[1:]):
+            nodes, edges, copied = (sum(more[name] - less[name] for name in names) for names in (
+                ("devicePoints",), ("deviceEdges",), ("deviceBytesTo", "deviceBytesFrom")))
+            self.assertGreater(edges, 1000)
+            # A quarter of a byte for a node with its block, two numbers for an edge with its place.
+            self.assertLessEqual(copied, nodes * 144 // 512 + 24 * edges + 4096)
+            self.assertLess(copied, 64 * edges)
+        self.assertGreater(uses[-1]["deviceMostPoints"], 100000)
+        self.assertGreater(uses[-1]["deviceMostEdges"], 0.9 * uses[-1]["deviceEdges"] - 10000)
 
     def test_with_any_number_of_threads(self):
         for threads in (1, 3):
@@ -186,8 +224,9 @@ class FailingDevices(Devices):
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"), mode)
 
     def test_one_that_is_lost_in_the_middle(self):
-        # Two kernels try the arithmetic of the device, and a few try the fields.
-        for number in (7, 10, 12):
+        # The last two kernels evaluate signs and search edges; those before them try the arithmetic and the fields.
+        kernels = self.use("fractal", "t.obj", *LOW, "--mesh", "there.ply")["deviceKernels"]
+        for number in (kernels - 1, kernels):
             with self.subTest(number=number):
                 self.here(f"lost:{number}", "The processor goes on; the result is the same.")
 
@@ -225,6 +264,19 @@ class FailingDevices(Devices):
         self.assertIn("does not compute in 64 bits", said)
         said = self.ok("fractal", "t.obj", *LOW, "--precision", "float", "--mesh", "there.ply", *ON, env=fake("singles"))
         self.assertNotIn("64 bits", said)
+
+    def test_one_whose_memory_holds_no_layer(self):
+        """What does not fit is halved until it fits; the device goes on."""
+        run = ("fractal", "t.obj", *LOW, "--mesh", "there.ply")
+        self.assertNotIn("The processor", self.ok(*run, *ON, env=fake("full:8192")))
+        self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+        whole, halved = self.use(*run), self.use(*run, env=fake("full:8192"))
+        self.assertGreater(halved["deviceCalls"], whole["deviceCalls"])
+        # Each edge gives a number of 8 bytes, of which 1024 fit.
+        self.assertGreaterEqual(halved["deviceCalls"], halved["deviceEdges"] // 1024)
+        self.assertLessEqual(halved["deviceMostEdges"], 1024)
+        self.assertEqual(halved["deviceEdges"], whole["deviceEdges"])
+        self.here("full:64", "its memory cannot be had")
 
     def test_one_with_too_little_memory(self):
         self.here("small", "the field needs")

@@ -8,6 +8,7 @@
 //   rounded     the device claims correctly rounded divisions and square roots, as Oclgrind has and does not say
 //   denormals   the device has no denormal numbers
 //   singles     the device does not compute in 64 bits
+//   full:N      after two kernels, there is no memory of more than N bytes in one piece, but for what kernels only read
 //   small       the device's memory holds a thousand bytes in one piece
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -36,7 +37,7 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-std::atomic<int> kernels{0}, wrongReads{0}, hungReads{0};
+std::atomic<int> ran{0}, kernels{0}, wrongReads{0}, hungReads{0};
 std::atomic<bool> hangs{false};
 
 }  // namespace
@@ -46,9 +47,20 @@ extern "C" {
 cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t* offset,
                               const size_t* size, const size_t* group, cl_uint count, const cl_event* events,
                               cl_event* event) {
+  ++ran;
   if (isDue("lost", kernels)) return CL_OUT_OF_RESOURCES;
   return next<decltype(clEnqueueNDRangeKernel)>("clEnqueueNDRangeKernel")(queue, kernel, dimensions, offset, size,
                                                                           group, count, events, event);
+}
+
+cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void* host, cl_int* error) {
+  const std::string set = mode();
+  if (set.rfind("full:", 0) == 0 && ran >= 2 && !(flags & CL_MEM_READ_ONLY) &&
+      size > std::strtoul(set.c_str() + std::string("full:").size(), nullptr, 10)) {
+    if (error) *error = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    return nullptr;
+  }
+  return next<decltype(clCreateBuffer)>("clCreateBuffer")(context, flags, size, host, error);
 }
 
 cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,

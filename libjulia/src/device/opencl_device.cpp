@@ -34,8 +34,11 @@ std::string meaningOf(cl_int error) {
 }
 
 void require(cl_int error, const char* what) {
-  if (error != CL_SUCCESS)
-    throw DeviceFailure(std::string(what) + ": OpenCL's error " + std::to_string(error) + ", " + meaningOf(error));
+  if (error == CL_SUCCESS) return;
+  const std::string message = std::string(what) + ": OpenCL's error " + std::to_string(error) + ", " + meaningOf(error);
+  // Drivers may allocate memory only when it is used first.
+  if (error == CL_MEM_OBJECT_ALLOCATION_FAILURE || error == CL_INVALID_BUFFER_SIZE) throw DeviceIsFull(message);
+  throw DeviceFailure(message);
 }
 
 template <class T>
@@ -211,6 +214,7 @@ bool OpenClDevice::hasArithmetic() {
   std::vector<Real>& results = *held;
   try {
     lane.read(out.get(), results.data(), results.size() * sizeof(Real));
+    lane.wait();
   } catch (const DeviceHangs&) {
     keepUntilExit(held.release());
     throw;
@@ -274,46 +278,66 @@ OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Progr
 }
 
 OpenClDevice::Lane::~Lane() {
+  release(mBegun);
   mDevice.release(mKernel, mDevice.mCl.ReleaseKernel);
   mDevice.release(mQueue, mDevice.mCl.ReleaseCommandQueue);
 }
 
-OpenClDevice::Memory OpenClDevice::Lane::made(std::size_t bytes) const {
+OpenClDevice::Memory OpenClDevice::Lane::made(std::size_t bytes, cl_mem_flags flags) const {
   cl_int error = CL_SUCCESS;
   // A kernel's argument cannot be empty memory.
   const cl_mem memory =
-      mDevice.mCl.CreateBuffer(mDevice.mContext, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 16), nullptr, &error);
+      mDevice.mCl.CreateBuffer(mDevice.mContext, flags, std::max<std::size_t>(bytes, 16), nullptr, &error);
   require(error, "its memory cannot be had");
   return Memory(memory, {&mDevice});
 }
 
 OpenClDevice::Memory OpenClDevice::Lane::uploaded(const void* data, std::size_t bytes) const {
-  Memory memory = made(bytes);
+  Memory memory = made(bytes, CL_MEM_READ_ONLY);
   if (bytes != 0)
     require(mDevice.mCl.EnqueueWriteBuffer(mQueue, memory.get(), CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
             "its memory cannot be written");
+  mDevice.countUse([&](DeviceUse& use) { use.bytesOfFields += bytes; });
   return memory;
 }
 
 void OpenClDevice::Lane::write(cl_mem memory, const void* data, std::size_t bytes) const {
   require(mDevice.mCl.EnqueueWriteBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, nullptr),
           "its memory cannot be written");
+  mDevice.countUse([&](DeviceUse& use) { use.bytesTo += bytes; });
 }
 
-void OpenClDevice::Lane::read(cl_mem memory, void* data, std::size_t bytes) const {
+void OpenClDevice::Lane::read(cl_mem memory, void* data, std::size_t bytes) {
+  mBegun.reserve(mBegun.size() + 1);
   cl_event event = nullptr;
   require(mDevice.mCl.EnqueueReadBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, &event),
           "its results cannot be read");
-  await(event);
+  mBegun.push_back(event);
+  mDevice.countUse([&](DeviceUse& use) { use.bytesFrom += bytes; });
 }
 
-/// Waits for an event, and releases it.
+void OpenClDevice::Lane::wait() {
+  const auto begin = std::chrono::steady_clock::now();
+  require(mDevice.mCl.Flush(mQueue), "its queue cannot be started");
+  // Each part may take as long as an answer may, so a large call is no slow one.
+  for (std::size_t i = 0; i < mBegun.size(); ++i) await(mBegun[i]);
+  release(mBegun);
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
+  mDevice.countUse([&](DeviceUse& use) {
+    ++use.calls;
+    use.waited += waited.count();
+  });
+}
+
+void OpenClDevice::Lane::release(std::vector<cl_event>& events) const {
+  for (const cl_event event : events) mDevice.release(event, mDevice.mCl.ReleaseEvent);
+  events.clear();
+}
+
+/// Waits for an event.
 void OpenClDevice::Lane::await(cl_event event) const {
   using Clock = std::chrono::steady_clock;
   const OpenClFunctions& cl = mDevice.mCl;
-  const auto release = [&](cl_event one) { cl.ReleaseEvent(one); };
-  std::unique_ptr<std::remove_pointer_t<cl_event>, decltype(release)> held(event, release);
-  require(cl.Flush(mQueue), "its queue cannot be started");
   // A driver's own wait has no timeout. Most answers take less than a millisecond.
   constexpr int kRoundsAwake = 200;
   constexpr std::chrono::microseconds kNap(100);
@@ -326,7 +350,6 @@ void OpenClDevice::Lane::await(cl_event event) const {
     if (status == CL_COMPLETE) break;
     if (std::chrono::duration<double>(Clock::now() - begin).count() > mDevice.mSeconds) {
       mDevice.mHangs = true;
-      keepUntilExit(held.release());
       char seconds[32];
       std::snprintf(seconds, sizeof(seconds), "%g", mDevice.mSeconds);
       throw DeviceHangs("it gave no answer in " + std::string(seconds) + " s");
@@ -340,12 +363,40 @@ void OpenClDevice::Lane::await(cl_event event) const {
   require(cl.WaitForEvents(1, &event), "its work failed");
 }
 
-void OpenClDevice::Lane::run(std::size_t count) const {
+void OpenClDevice::Lane::run(std::size_t count) {
   // All groups are full: devices may require that, and the kernels skip the numbers beyond the last point.
-  constexpr std::size_t kGroup = 64;
-  const std::size_t size = (count + kGroup - 1) / kGroup * kGroup;
-  require(mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, nullptr, &size, &kGroup, 0, nullptr, nullptr),
-          "its kernel cannot be run");
+  constexpr std::size_t kGroup = 64, kTogether = std::size_t{1} << 19;
+  const std::size_t all = (count + kGroup - 1) / kGroup * kGroup;
+  for (std::size_t first = 0; first < all; first += kTogether) {
+    const std::size_t size = std::min(kTogether, all - first);
+    mBegun.reserve(mBegun.size() + 1);
+    cl_event event = nullptr;
+    require(mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, &first, &size, &kGroup, 0, nullptr, &event),
+            "its kernel cannot be run");
+    mBegun.push_back(event);
+    mDevice.countUse([](DeviceUse& use) { ++use.kernels; });
+  }
+}
+
+// --- What it did ---
+
+DeviceUse OpenClDevice::use() const {
+  const std::lock_guard lock(mUseMutex);
+  return mUse;
+}
+
+void OpenClDevice::countPoints(std::size_t points) const {
+  countUse([&](DeviceUse& use) {
+    use.points += points;
+    use.mostPoints = std::max<std::uint64_t>(use.mostPoints, points);
+  });
+}
+
+void OpenClDevice::countEdges(std::size_t edges) const {
+  countUse([&](DeviceUse& use) {
+    use.edges += edges;
+    use.mostEdges = std::max<std::uint64_t>(use.mostEdges, edges);
+  });
 }
 
 }  // namespace julia::device

@@ -17,6 +17,7 @@
 #include "julia/evaluator.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -32,11 +33,26 @@ struct DeviceInfo {
   std::string refusal;   ///< why it is not used; empty if it is
 };
 
+/// What a device has done so far, for all fields together.
+struct DeviceUse {
+  std::uint64_t calls = 0;       ///< how often the host waited for results
+  std::uint64_t kernels = 0;     ///< how many kernels were started; those of one call follow each other without a wait
+  std::uint64_t points = 0;      ///< at which F was evaluated, other than in searches
+  std::uint64_t edges = 0;       ///< that were searched
+  std::uint64_t mostPoints = 0;  ///< of a call
+  std::uint64_t mostEdges = 0;   ///< of a call
+  std::uint64_t bytesTo = 0;     ///< that were copied to the device, other than those of fields
+  std::uint64_t bytesOfFields = 0;  ///< of the fields' own numbers, which are copied once: roots, waves, bricks
+  std::uint64_t bytesFrom = 0;      ///< that were copied from it
+  double waited = 0;                ///< seconds that threads waited for results, added up
+};
+
 /// A device in use. Threads may share it.
 class Device {
  public:
   virtual ~Device() = default;
   virtual const DeviceInfo& info() const = 0;
+  virtual DeviceUse use() const = 0;
 
   /// An evaluator that evaluates on the device what @a host evaluates, with the same bits, and leaves the rest to it:
   /// proofs, versors, orbit traps. If the device fails, @a host evaluates everything from then on, and notify() is
