@@ -38,9 +38,18 @@ std::vector<Point> pointsToTry(double escapeRadius) {
   return points;
 }
 
+/// Whether the device of an evaluator has failed.
+class LosableEvaluator : public FieldEvaluator {
+ public:
+  bool isLost() const { return mLost; }
+
+ protected:
+  mutable std::atomic<bool> mLost = false;
+};
+
 /// Evaluates a field of ProgramData in the type Real.
 template <class Real>
-class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
+class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
  public:
   /// @param host  must outlive this until own() is called with it
   DeviceEvaluator(std::shared_ptr<const OpenClDevice> device, std::unique_ptr<const ProgramData> data,
@@ -593,7 +602,6 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   Real mLevel;
   std::shared_ptr<const OpenClDevice::Program> mProgram;
   OpenClDevice::Memory mNumbers, mIntegers, mPlaces, mValues;
-  mutable std::atomic<bool> mLost = false;
   mutable ObjectPool<Work> mWork{[this] { return std::make_unique<Work>(*this); }};
   mutable ObjectPool<NodeSearch> mNodeSearch{[this] { return std::make_unique<NodeSearch>(*this); }};
   mutable ObjectPool<Signs> mSigns{[this] { return std::make_unique<Signs>(*this); }};
@@ -601,6 +609,11 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
 };
 
 }  // namespace
+
+bool OpenClDevice::evaluates(const FieldEvaluator& evaluator) const {
+  const auto* const own = dynamic_cast<const LosableEvaluator*>(&evaluator);
+  return own && !own->isLost();
+}
 
 std::unique_ptr<FieldEvaluator> OpenClDevice::evaluator(std::unique_ptr<FieldEvaluator> host,
                                                         std::string& reason) const {

@@ -10,11 +10,15 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <mutex>
+#include <optional>
 #include <thread>
+#include <type_traits>
 #include <utility>
 
 namespace julia::device {
@@ -147,8 +151,8 @@ std::vector<OpenClDevice::Place> OpenClDevice::places(std::string& refusal) {
   return places;
 }
 
-OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice)
-    : mCl(*place.platform.functions), mDevice(place.device), mNotice(std::move(notice)) {
+OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice, std::shared_ptr<const DeviceCache> cache)
+    : mCl(*place.platform.functions), mDevice(place.device), mNotice(std::move(notice)), mCache(std::move(cache)) {
   try {
     const auto platform = textOf([&](std::size_t size, char* to, std::size_t* needed) {
       return mCl.GetPlatformInfo(place.platform.id, CL_PLATFORM_NAME, size, to, needed);
@@ -189,9 +193,21 @@ std::string OpenClDevice::refusalOf() {
   cl_int error = CL_SUCCESS;
   mContext = mCl.CreateContext(nullptr, 1, &mDevice, nullptr, nullptr, &error);
   require(error, "its context cannot be made");
-  if (!hasArithmetic<float>()) return "its 32-bit arithmetic has other bits than the processor's";
-  if (mInfo.doubles) mInfo.doubles = hasArithmetic<double>();
+  if (!hadArithmetic<float>()) return "its 32-bit arithmetic has other bits than the processor's";
+  if (mInfo.doubles) mInfo.doubles = hadArithmetic<double>();
   return {};
+}
+
+/// hasArithmetic(), or what an earlier process found.
+template <class Real>
+bool OpenClDevice::hadArithmetic() {
+  const std::string key =
+      "arithmetic 1\n" + mInfo.name + "\n" + programText(std::is_same_v<Real, float>, ProgramData{}.texture);
+  constexpr const char* kPassed = "passed";
+  if (mCache && mCache->find(key) == kPassed) return true;
+  const bool passes = hasArithmetic<Real>();
+  if (mCache && passes) mCache->keep(key, kPassed);
+  return passes;
 }
 
 /// Compiles and runs the kernel tryArithmetic().
@@ -237,23 +253,75 @@ std::shared_ptr<const OpenClDevice::Program> OpenClDevice::program(bool floats, 
 
 // --- Programs, and the queues through which threads run them ---
 
+/// Builds a program in a thread of its own, because a driver's compiler may hang.
+/// @throw DeviceHangs
+cl_int OpenClDevice::built(cl_program program, const std::string& options) const {
+  // A compiler has more to do than a kernel.
+  constexpr double kCompilerShare = 4;
+  struct Build {
+    std::mutex mutex;
+    std::condition_variable done;
+    std::optional<cl_int> error;
+  };
+  const auto build = std::make_shared<Build>();
+  // What the thread uses lives as long as it does: the functions and the device as long as the process.
+  std::thread([build, &cl = mCl, device = mDevice, program, options] {
+    const cl_int error = cl.BuildProgram(program, 1, &device, options.c_str(), nullptr, nullptr);
+    const std::lock_guard lock(build->mutex);
+    build->error = error;
+    build->done.notify_all();
+  }).detach();
+  std::unique_lock lock(build->mutex);
+  const std::chrono::duration<double> limit(kCompilerShare * mSeconds);
+  if (!build->done.wait_for(lock, limit, [&] { return build->error.has_value(); })) {
+    mHangs = true;
+    char seconds[32];
+    std::snprintf(seconds, sizeof(seconds), "%g", limit.count());
+    throw DeviceHangs("its compiler did not end in " + std::string(seconds) + " s");
+  }
+  return *build->error;
+}
+
 OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const std::string& switches,
                                const std::string& texture)
     : mDevice(device) {
-  const OpenClFunctions& cl = device.mCl;
   const std::string text = programText(floats, texture);
+  const std::string options = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -w" + switches;
+  const std::string key = "program\n" + device.mInfo.name + "\n" + options + "\n" + text;
+  if (fromCache(key, options)) return;
+  build(text, options);
+  if (!device.mCache) return;
+  if (const std::string data = binary(); !data.empty()) device.mCache->keep(key, data);
+}
+
+bool OpenClDevice::Program::fromCache(const std::string& key, const std::string& options) {
+  const std::string data = mDevice.mCache ? mDevice.mCache->find(key) : std::string();
+  if (data.empty()) return false;
+  const OpenClFunctions& cl = mDevice.mCl;
+  const std::size_t size = data.size();
+  const auto* bytes = reinterpret_cast<const unsigned char*>(data.data());
+  cl_int status = CL_SUCCESS, error = CL_SUCCESS;
+  mProgram = cl.CreateProgramWithBinary(mDevice.mContext, 1, &mDevice.mDevice, &size, &bytes, &status, &error);
+  if (error == CL_SUCCESS && status == CL_SUCCESS && mDevice.built(mProgram, options) == CL_SUCCESS) return true;
+  // A driver may refuse what another version of it has made under the same name.
+  if (error == CL_SUCCESS) cl.ReleaseProgram(mProgram);
+  mProgram = nullptr;
+  return false;
+}
+
+void OpenClDevice::Program::build(const std::string& text, const std::string& options) {
+  const OpenClFunctions& cl = mDevice.mCl;
   const char* source = text.c_str();
   const std::size_t length = text.size();
   cl_int error = CL_SUCCESS;
-  mProgram = cl.CreateProgramWithSource(device.mContext, 1, &source, &length, &error);
+  mProgram = cl.CreateProgramWithSource(mDevice.mContext, 1, &source, &length, &error);
   require(error, "its program cannot be made");
-  const std::string options = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -w" + switches;
-  error = cl.BuildProgram(mProgram, 1, &device.mDevice, options.c_str(), nullptr, nullptr);
+  error = mDevice.built(mProgram, options);
   if (error == CL_SUCCESS) return;
   std::string log;
   try {
     log = textOf([&](std::size_t size, char* to, std::size_t* needed) {
-      return cl.GetProgramBuildInfo(mProgram, device.mDevice, CL_PROGRAM_BUILD_LOG, size, to, needed);
+      return cl.GetProgramBuildInfo(mProgram, mDevice.mDevice, CL_PROGRAM_BUILD_LOG, size, to, needed);
     });
   } catch (const DeviceFailure&) {
   }
@@ -261,6 +329,17 @@ OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const st
   // The first error is the most informative one.
   const std::size_t first = std::min(log.find("error:"), log.size());
   throw DeviceFailure("its compiler refused the program: " + log.substr(first, log.find('\n', first) - first));
+}
+
+/// The compiled program as the driver gives it out; empty if it does not.
+std::string OpenClDevice::Program::binary() const {
+  const OpenClFunctions& cl = mDevice.mCl;
+  std::size_t size = 0;
+  if (cl.GetProgramInfo(mProgram, CL_PROGRAM_BINARY_SIZES, sizeof(size), &size, nullptr) != CL_SUCCESS) return {};
+  std::string data(size, '\0');
+  auto* bytes = reinterpret_cast<unsigned char*>(data.data());
+  if (cl.GetProgramInfo(mProgram, CL_PROGRAM_BINARIES, sizeof(bytes), &bytes, nullptr) != CL_SUCCESS) return {};
+  return data;
 }
 
 OpenClDevice::Program::~Program() { mDevice.release(mProgram, mDevice.mCl.ReleaseProgram); }

@@ -55,13 +55,15 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   static std::vector<Place> places(std::string& refusal);
 
   /// Opens a device and tries its arithmetic; if it cannot be used, info().refusal says why.
-  OpenClDevice(const Place& place, DeviceNotice notice);
+  OpenClDevice(const Place& place, DeviceNotice notice, std::shared_ptr<const DeviceCache> cache);
   OpenClDevice(const OpenClDevice&) = delete;
   ~OpenClDevice() override;
 
   const DeviceInfo& info() const override { return mInfo; }
   DeviceUse use() const override;
   std::unique_ptr<FieldEvaluator> evaluator(std::unique_ptr<FieldEvaluator> host, std::string& reason) const override;
+
+  bool evaluates(const FieldEvaluator& evaluator) const override;
 
   /// A compiled program.
   class Program {
@@ -73,6 +75,11 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     cl_program get() const { return mProgram; }
 
    private:
+    /// @return whether the cache had it, and the driver takes it
+    bool fromCache(const std::string& key, const std::string& options);
+    void build(const std::string& text, const std::string& options);
+    std::string binary() const;
+
     const OpenClDevice& mDevice;
     cl_program mProgram = nullptr;
   };
@@ -153,6 +160,9 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   }
   template <class Real>
   bool hasArithmetic();
+  template <class Real>
+  bool hadArithmetic();
+  cl_int built(cl_program program, const std::string& options) const;
 
   DeviceInfo mInfo;
   const OpenClFunctions& mCl;
@@ -161,6 +171,7 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   std::size_t mMostBytes = 0;
   double mSeconds = 0;  ///< how long an answer may take
   DeviceNotice mNotice;
+  std::shared_ptr<const DeviceCache> mCache;
   mutable std::atomic<bool> mHangs =
       false;  ///< whether it stopped answering; nothing is released then, because that would wait for the driver
   mutable std::mutex mUseMutex;

@@ -61,6 +61,9 @@ class Device {
   virtual std::unique_ptr<FieldEvaluator> evaluator(std::unique_ptr<FieldEvaluator> host,
                                                     std::string& reason) const = 0;
 
+  /// Whether evaluator() made this, and its device has not failed.
+  virtual bool evaluates(const FieldEvaluator& evaluator) const = 0;
+
   /// Calls the DeviceNotice with which the device was opened.
   virtual void notify(const std::string& sentence) const = 0;
 };
@@ -69,10 +72,28 @@ class Device {
 /// call it at once.
 using DeviceNotice = std::function<void(const std::string&)>;
 
+/// Keeps what devices compile, and which of them passed the test of its arithmetic, for later processes. Several
+/// threads may call it at once.
+class DeviceCache {
+ public:
+  virtual ~DeviceCache() = default;
+  /// What was kept under a key, which tells devices, drivers, versions and texts apart; empty if there is nothing.
+  virtual std::string find(const std::string& key) const = 0;
+  virtual void keep(const std::string& key, const std::string& data) const = 0;
+};
+
 /// Opens all devices in OpenCL's order, platform by platform, and tests the arithmetic of each. A device whose info has
 /// a refusal cannot be used.
 /// @param refusal  receives the reason if there is no device at all
-std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal);
+/// @param cache    may be null; with it, a test that was passed is not repeated
+std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal,
+                                                       const std::shared_ptr<const DeviceCache>& cache = nullptr);
+
+/// Several devices as one: they share the points, the nodes and the edges of each call. A device that fails leaves its
+/// part to the processor, and the others share the later calls. A field that one of them cannot evaluate, the others
+/// do.
+/// @param devices  one at least, none of them refused
+std::shared_ptr<const Device> joinedDevices(std::vector<std::shared_ptr<const Device>> devices);
 
 /// A place where drivers of OpenCL were looked for (a loader, a file or a folder), and what was found there, in words.
 struct DriverPlace {
