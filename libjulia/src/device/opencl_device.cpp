@@ -402,6 +402,16 @@ void OpenClDevice::Lane::wait() {
   for (std::size_t i = 0; i < mBegun.size(); ++i) await(mBegun[i]);
   release(mBegun);
   const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
+  // How many numbers take about half a second, as a power of two.
+  constexpr double kSecondsOfKernel = 0.5;
+  if (mCount >= kFewestTogether) {
+    const double seconds = static_cast<double>(mTogether) / static_cast<double>(mCount) * waited.count();
+    if (seconds > 2 * kSecondsOfKernel)
+      mTogether = std::max(mTogether / 2, kFewestTogether);
+    else if (seconds < kSecondsOfKernel / 2)
+      mTogether = std::min(mTogether * 2, kMostTogether);
+  }
+  mCount = 0;
   mDevice.countUse([&](DeviceUse& use) {
     ++use.calls;
     use.waited += waited.count();
@@ -427,7 +437,9 @@ void OpenClDevice::Lane::await(cl_event event) const {
             "it does not say how far it is");
     if (status < 0) require(status, "its work failed");
     if (status == CL_COMPLETE) break;
-    if (std::chrono::duration<double>(Clock::now() - begin).count() > mDevice.mSeconds) {
+    // As long as the device does the work of other threads, it does not hang.
+    const Clock::duration since = std::max(begin.time_since_epoch(), mDevice.mLastAnswer.load());
+    if (std::chrono::duration<double>(Clock::now().time_since_epoch() - since).count() > mDevice.mSeconds) {
       mDevice.mHangs = true;
       char seconds[32];
       std::snprintf(seconds, sizeof(seconds), "%g", mDevice.mSeconds);
@@ -438,16 +450,18 @@ void OpenClDevice::Lane::await(cl_event event) const {
     else
       std::this_thread::sleep_for(kNap);
   }
+  mDevice.mLastAnswer = Clock::now().time_since_epoch();
   // Only this call guarantees that the data that was read is visible.
   require(cl.WaitForEvents(1, &event), "its work failed");
 }
 
 void OpenClDevice::Lane::run(std::size_t count) {
   // All groups are full: devices may require that, and the kernels skip the numbers beyond the last point.
-  constexpr std::size_t kGroup = 64, kTogether = std::size_t{1} << 19;
+  constexpr std::size_t kGroup = 64;
   const std::size_t all = (count + kGroup - 1) / kGroup * kGroup;
-  for (std::size_t first = 0; first < all; first += kTogether) {
-    const std::size_t size = std::min(kTogether, all - first);
+  mCount += count;
+  for (std::size_t first = 0; first < all; first += mTogether) {
+    const std::size_t size = std::min(mTogether, all - first);
     mBegun.reserve(mBegun.size() + 1);
     cl_event event = nullptr;
     require(mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, &first, &size, &kGroup, 0, nullptr, &event),

@@ -9,6 +9,7 @@
 #include "device/program_data.h"
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -124,7 +125,7 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
         throw DeviceFailure("its kernel refused argument " + std::to_string(number));
     }
     /// Begins to run the kernel for the numbers 0 to @a count - 1, and for some more that fill up the last group: as
-    /// several kernels that follow each other, none of which takes long.
+    /// several kernels that follow each other. On a fast device each gets more of the numbers, so none takes long.
     void run(std::size_t count);
 
    private:
@@ -136,7 +137,10 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     std::shared_ptr<const Program> mProgram;
     cl_command_queue mQueue = nullptr;
     cl_kernel mKernel = nullptr;
-    std::vector<cl_event> mBegun;  ///< kernels and copies in their order, which have not been waited for
+    std::vector<cl_event> mBegun;             ///< kernels and copies in their order, which have not been waited for
+    std::size_t mTogether = kFewestTogether;  ///< the numbers of a kernel
+    std::size_t mCount = 0;                   ///< the numbers of the kernels that were begun
+    static constexpr std::size_t kFewestTogether = std::size_t{1} << 16, kMostTogether = std::size_t{1} << 20;
   };
 
   /// Adds to the device's use.
@@ -174,6 +178,8 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   std::shared_ptr<const DeviceCache> mCache;
   mutable std::atomic<bool> mHangs =
       false;  ///< whether it stopped answering; nothing is released then, because that would wait for the driver
+  /// When anything that was begun on the device was last known to be done.
+  mutable std::atomic<std::chrono::steady_clock::duration> mLastAnswer{std::chrono::steady_clock::duration::min()};
   mutable std::mutex mUseMutex;
   mutable DeviceUse mUse;  ///< mUseMutex guards it
   mutable std::mutex mMutex;
