@@ -9,6 +9,8 @@
 
 #include "vdbtools/base/text.h"
 
+#include "julia/device/device.h"
+
 #include <algorithm>
 #include <exception>
 #include <iostream>
@@ -143,11 +145,29 @@ bool wantsJson(const Arguments& arguments) {
   return false;
 }
 
+/// Adds to the summary what the device did.
+void countDeviceUse() {
+  const auto device = julia::currentDevice();
+  if (!device) return;
+  const julia::DeviceUse use = device->use();
+  report().count("deviceCalls", use.calls);
+  report().count("deviceKernels", use.kernels);
+  report().count("devicePoints", use.points);
+  report().count("deviceEdges", use.edges);
+  report().count("deviceMostPoints", use.mostPoints);
+  report().count("deviceMostEdges", use.mostEdges);
+  report().count("deviceBytesOfFields", use.bytesOfFields);
+  report().count("deviceBytesTo", use.bytesTo);
+  report().count("deviceBytesFrom", use.bytesFrom);
+  report().count("deviceWaited", use.waited);
+}
+
 /// Data on the standard output is an output like any other, so it must have been written.
 int finish(int code) {
   std::cout.flush();
   if (code == kDone && !std::cout) return fail(kInputOutput, "writing to the standard output failed");
   takeLastWord(code);
+  countDeviceUse();
   report().end(code, "");
   return code;
 }

@@ -185,7 +185,7 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
                         "this process may use)")(
       "instructions", po::value<std::string>()->value_name("auto|portable|avx2|avx512"),
       "the vector instructions to use; the result is the same with all of them (default auto, the widest)")(
-      "device", po::value<std::string>()->value_name("cpu|auto|opencl[:N]"),
+      "device", po::value<std::string>()->value_name("cpu|auto|opencl[:N|:all]"),
       "where the map is evaluated: the processor (the default), device N of 'juliavdb devices', the first one that can "
       "be used, or with auto the first graphics processor if there is one; the result is the same (docs/gpu.md)")(
       "memory", po::value<std::string>()->value_name("SIZE"),

@@ -27,19 +27,28 @@ struct Brackets {
   }
 };
 
+/// Whether F is not known at an end of an edge, but only its sign.
+bool isSignAlone(float field) {
+  constexpr float kLimit = static_cast<float>(kFieldLimit);
+  return !(field < kLimit && field > -kLimit);
+}
+
 /// Evaluates F at ends where only its sign is known, and rounds it as a stored value.
 void evaluateEnds(const FieldEvaluator& evaluator, std::span<const CrossedEdge> edges, const SearchLattice& lattice,
                   Brackets& brackets) {
-  constexpr float kUnknown = static_cast<float>(kFieldLimit);
   std::vector<Point> points;
   std::vector<double*> ends;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const CrossedEdge& edge = edges[i];
-    if (edge.from < kUnknown && edge.to < kUnknown) continue;
-    const bool atEnd = edge.to >= kUnknown;
-    points.push_back(edge.begin);
-    if (atEnd) points.back()[static_cast<std::size_t>(edge.axis)] = lattice.at(edge.index + 1, edge.axis);
-    ends.push_back(atEnd ? &brackets.atHigh[i] : &brackets.atLow[i]);
+    if (isSignAlone(edge.from)) {
+      points.push_back(edge.begin);
+      ends.push_back(&brackets.atLow[i]);
+    }
+    if (isSignAlone(edge.to)) {
+      points.push_back(edge.begin);
+      points.back()[static_cast<std::size_t>(edge.axis)] = lattice.at(edge.index + 1, edge.axis);
+      ends.push_back(&brackets.atHigh[i]);
+    }
   }
   if (points.empty()) return;
   std::vector<double> field(points.size());
@@ -71,6 +80,20 @@ int mostEvaluations(const SearchLattice& lattice) {
   int most = 1;
   while (std::ldexp(narrowBracket(lattice), most - 1) < 1) ++most;
   return most;
+}
+
+void FieldEvaluator::findNodeCrossings(std::span<const NodeEdge> edges, const SearchLattice& lattice,
+                                       std::span<double> found) const {
+  std::vector<CrossedEdge> crossed;
+  crossed.reserve(edges.size());
+  for (const NodeEdge& edge : edges) {
+    Point begin;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      begin[axis] = lattice.at(static_cast<double>(edge.node[axis]), static_cast<int>(axis));
+    const double index = static_cast<double>(edge.node[static_cast<std::size_t>(edge.axis)]);
+    crossed.push_back({begin, edge.axis, index, edge.from, edge.to});
+  }
+  findCrossings(crossed, lattice, found);
 }
 
 void FieldEvaluator::findCrossings(std::span<const CrossedEdge> edges, const SearchLattice& lattice,

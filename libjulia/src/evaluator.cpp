@@ -32,6 +32,34 @@ void FieldEvaluator::evaluateBlocks(std::span<const NodeBlock> blocks) const {
   for (std::size_t i = 0; i < to.size(); ++i) *to[i] = storedField(field[i]);
 }
 
+void FieldEvaluator::evaluateSigns(const SearchLattice& lattice, std::span<SignBlock> blocks) const {
+  constexpr std::size_t kSide = NodeBlock::kSide, kTogether = 64;
+  std::vector<float> field(kTogether * NodeBlock::kSize);
+  std::vector<NodeBlock> nodes;
+  for (std::size_t first = 0; first < blocks.size(); first += kTogether) {
+    const auto some = blocks.subspan(first, std::min(kTogether, blocks.size() - first));
+    std::fill(field.begin(), field.end(), 1.0f);
+    nodes.clear();
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      float* const values = field.data() + i * NodeBlock::kSize;
+      NodeBlock& block = nodes.emplace_back(
+          NodeBlock{.wanted = some[i].wanted, .field = std::span<float, NodeBlock::kSize>(values, NodeBlock::kSize)});
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::size_t k = 0; k < kSide; ++k)
+          block.at[axis][k] =
+              lattice.at(static_cast<double>(some[i].origin[axis]) + static_cast<double>(k), static_cast<int>(axis));
+    }
+    evaluateBlocks(nodes);
+    for (std::size_t i = 0; i < some.size(); ++i)
+      for (std::size_t x = 0; x < kSide; ++x) {
+        std::uint64_t inside = 0;
+        for (std::size_t k = 0; k < kSide * kSide; ++k)
+          inside |= static_cast<std::uint64_t>(nodes[i].field[x * kSide * kSide + k] < 0) << k;
+        some[i].inside[x] = inside;
+      }
+  }
+}
+
 namespace {
 
 /// Evaluates maps in log-polar form.

@@ -47,7 +47,7 @@ def devices():
 
 
 def use_device(choice):
-    """Evaluates maps on a device from now on: "cpu", "auto", "opencl" or "opencl:N", as --device of the program. The
+    """Evaluates maps on a device from now on: "cpu", "auto", "opencl", "opencl:N" or "opencl:all", as --device of the program. The
     results are the same, to the bit. Returns a sentence about where maps are evaluated. Raises ValueError for a choice that
     is none, and RuntimeError if no device can be used. A device that fails later is a RuntimeWarning, and the processor
     goes on."""

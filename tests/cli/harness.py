@@ -57,6 +57,8 @@ def main():
 
 def environment(extra=None):
     env = {name: value for name, value in os.environ.items() if not name.startswith(("SLURM_", "PARALLEL_SEQ"))}
+    # What devices compile is kept by tests of that alone.
+    env["JULIAVDB_DEVICE_CACHE"] = "none"
     env.update(extra or {})
     return env
 

@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import re
+import subprocess
 import unittest
 
 import harness
@@ -34,6 +35,11 @@ class Devices(harness.CliTest):
     def setUp(self):
         super().setUp()
         self.write("t.obj", harness.obj(harness.torus()))
+
+    def use(self, *arguments, env=None):
+        """What the device did in a run."""
+        said = self.ok(*arguments, *ON, "--progress", "json", env=env)
+        return json.loads(said.splitlines()[-1])["counts"]
 
     def listed(self, env=None):
         return json.loads(self.ok("devices", "--json", data=True, env=env))
@@ -89,6 +95,39 @@ class SameBytes(Devices):
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
         log = self.path("there/logs/joblog").read_text()
         self.assertEqual(log.count("--device 'opencl:0' --index"), 2, log)
+
+    def test_of_meshes_whose_parts_are_written_as_they_come(self):
+        for extension in (".obj", ".stl", ".glb"):
+            with self.subTest(extension=extension):
+                self.same("fractal", "t.obj", "--resolution", 40, "--sdf-resolution", 28, outputs=("--mesh", extension))
+
+    def test_of_grains(self):
+        for options in (("--grain", "curvature", "--texture", "scales"), ("--grain", "around", "--texture", "woven")):
+            with self.subTest(options=options):
+                self.same("fractal", "t.obj", *LOW, *options)
+
+    def test_of_a_box_that_cuts_the_set(self):
+        for options in (("--box=-0.5,-1,-1,0.7,0.4,1",), ("--follow",)):
+            with self.subTest(options=options):
+                self.same("fractal", "t.obj", *LOW, *options)
+
+    def test_large_calls_in_which_little_is_copied(self):
+        """The nodes of all layers are evaluated together, up to some millions, and their edges searched together."""
+        uses = [self.use("fractal", "t.obj", "--resolution", n, "--sdf-resolution", 28, "--mesh", "a.ply") for n in (28, 56, 112)]
+        for use in uses:
+            # What tries the device and the field is the same for each.
+            self.assertLessEqual(use["deviceCalls"], uses[0]["deviceCalls"] + 2)
+            self.assertLess(use["deviceCalls"], 30)
+            self.assertEqual(use["deviceBytesOfFields"], uses[0]["deviceBytesOfFields"])
+        for less, more in zip(uses, uses[1:]):
+            nodes, edges, copied = (sum(more[name] - less[name] for name in names) for names in (
+                ("devicePoints",), ("deviceEdges",), ("deviceBytesTo", "deviceBytesFrom")))
+            self.assertGreater(edges, 1000)
+            # A quarter of a byte for a node with its block, two numbers for an edge with its place.
+            self.assertLessEqual(copied, nodes * 144 // 512 + 24 * edges + 4096)
+            self.assertLess(copied, 64 * edges)
+        self.assertGreater(uses[-1]["deviceMostPoints"], 100000)
+        self.assertGreater(uses[-1]["deviceMostEdges"], 0.9 * uses[-1]["deviceEdges"] - 10000)
 
     def test_with_any_number_of_threads(self):
         for threads in (1, 3):
@@ -186,8 +225,9 @@ class FailingDevices(Devices):
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"), mode)
 
     def test_one_that_is_lost_in_the_middle(self):
-        # Two kernels try the arithmetic of the device, and a few try the fields.
-        for number in (7, 10, 12):
+        # The last two kernels evaluate signs and search edges; those before them try the arithmetic and the fields.
+        kernels = self.use("fractal", "t.obj", *LOW, "--mesh", "there.ply")["deviceKernels"]
+        for number in (kernels - 1, kernels):
             with self.subTest(number=number):
                 self.here(f"lost:{number}", "The processor goes on; the result is the same.")
 
@@ -198,9 +238,13 @@ class FailingDevices(Devices):
         # Two results are read for its arithmetic, and a few for the fields.
         for number in (4, 9, 14):
             with self.subTest(number=number):
-                self.here(f"hang:{number}", "gave no answer in 0.5 s", JULIAVDB_DEVICE_TIMEOUT="0.5")
-        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, mentions="gave no answer in 0.5 s",
-                     env=fake("hang:1", JULIAVDB_DEVICE_TIMEOUT="0.5"))
+                self.here(f"hang:{number}", "gave no answer in 1.5 s", JULIAVDB_DEVICE_TIMEOUT="1.5")
+        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, mentions="gave no answer in 1.5 s",
+                     env=fake("hang:1", JULIAVDB_DEVICE_TIMEOUT="1.5"))
+
+    def test_one_whose_compiler_hangs(self):
+        self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, mentions="its compiler did not end in 2 s",
+                     env=fake("compiler", JULIAVDB_DEVICE_TIMEOUT="0.5"))
 
     def test_a_time_limit_that_is_none(self):
         for limit in ("x", "0", "-1", "inf", "1s"):
@@ -226,8 +270,200 @@ class FailingDevices(Devices):
         said = self.ok("fractal", "t.obj", *LOW, "--precision", "float", "--mesh", "there.ply", *ON, env=fake("singles"))
         self.assertNotIn("64 bits", said)
 
+    def test_one_whose_memory_holds_no_layer(self):
+        """What does not fit is halved until it fits; the device goes on."""
+        run = ("fractal", "t.obj", *LOW, "--mesh", "there.ply")
+        self.assertNotIn("The processor", self.ok(*run, *ON, env=fake("full:8192")))
+        self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+        whole, halved = self.use(*run), self.use(*run, env=fake("full:8192"))
+        self.assertGreater(halved["deviceCalls"], whole["deviceCalls"])
+        # Each edge gives a number of 8 bytes, of which 1024 fit.
+        self.assertGreaterEqual(halved["deviceCalls"], halved["deviceEdges"] // 1024)
+        self.assertLessEqual(halved["deviceMostEdges"], 1024)
+        self.assertEqual(halved["deviceEdges"], whole["deviceEdges"])
+        self.here("full:64", "its memory cannot be had")
+
     def test_one_with_too_little_memory(self):
         self.here("small", "the field needs")
+
+
+@unittest.skipUnless(harness.has_opencl() and "JULIAVDB_FAKE_LOADER" in os.environ, "no device of OpenCL, or no fake of one")
+class SeveralDevices(Devices):
+    """A driver that lists its device twice stands for a machine with two."""
+
+    TWO = {"JULIAVDB_FAKE_DEVICES": "2"}
+    RUN = ("fractal", "t.obj", "--resolution", 56, "--sdf-resolution", 28)
+    ALL = ("--device", "opencl:all")
+
+    def counts(self, *device, mode="none"):
+        said = self.ok(*self.RUN, "--mesh", "there.ply", "--progress", "json", *device, env=fake(mode, **self.TWO))
+        return json.loads(said.splitlines()[-1])["counts"]
+
+    def setUp(self):
+        super().setUp()
+        self.assertEqual(len(self.listed(fake("none", **self.TWO))["devices"]), 2 * len(self.listed()["devices"]))
+        self.ok(*self.RUN, "-o", "here.vdb", "--mesh", "here.ply")
+
+    def test_they_share_the_calls_and_the_bytes_are_those_of_one(self):
+        said = self.ok(*self.RUN, "-o", "there.vdb", "--mesh", "there.ply", *self.ALL, env=fake("none", **self.TWO))
+        self.assertIn("Evaluates on the devices 0, ", said)
+        self.assertIn("; 1, ", said)
+        for extension in (".vdb", ".ply"):
+            self.assertTrue(self.bytes("here" + extension) == self.bytes("there" + extension))
+        one, both = self.counts("--device", "opencl:0"), self.counts(*self.ALL)
+        self.assertGreater(one["deviceMostPoints"], 50000)
+        # Half of the largest call for each, up to a block.
+        self.assertLessEqual(both["deviceMostPoints"], one["deviceMostPoints"] // 2 + 512)
+        self.assertLessEqual(both["deviceMostEdges"], one["deviceMostEdges"] // 2 + 1)
+        self.assertGreater(both["deviceBytesOfFields"], 1.9 * one["deviceBytesOfFields"])
+
+    def test_one_that_is_the_only_one(self):
+        said = self.ok(*self.RUN, "--mesh", "there.ply", *self.ALL)
+        self.assertIn("Evaluates on device 0, ", said)
+        self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+
+    def test_one_that_is_lost_leaves_its_part_to_the_processor(self):
+        kernels = self.counts(*self.ALL)["deviceKernels"]
+        for number in (kernels - 3, kernels - 1, kernels):
+            with self.subTest(number=number):
+                said = self.ok(*self.RUN, "--mesh", "there.ply", *self.ALL, env=fake(f"lost:{number}", **self.TWO))
+                self.assertIn("The processor goes on; the result is the same.", said)
+                self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+
+    def test_no_device_of_all(self):
+        self.refused(INTERNAL, *self.RUN, "--mesh", "a.ply", *self.ALL, env=fake("denormals", **self.TWO), mentions="denormal")
+        self.refused(INTERNAL, *self.RUN, "--mesh", "a.ply", *self.ALL, env=NO_PLATFORM, mentions="no driver of OpenCL")
+
+    def test_what_they_leave_to_the_processor(self):
+        said = self.ok(*self.RUN, "--texture", "expr:y,-x,z+2", "--mesh", "there.ply", *self.ALL, env=fake("none", **self.TWO))
+        self.assertEqual(said.count("The processor evaluates the field, and not the device: its texture is a formula"), 1, said)
+        self.ok(*self.RUN, "--texture", "expr:y,-x,z+2", "--mesh", "expected.ply")
+        self.assertTrue(self.bytes("expected.ply") == self.bytes("there.ply"))
+        # Points of pictures and traces of orbits go the same way.
+        for name, device in (("here.png", ()), ("there.png", self.ALL)):
+            self.ok("render", "--field", "--map", "mandelbulb", "--size", "64x48", "-o", name, *device, env=fake("none", **self.TWO))
+        self.assertTrue(self.bytes("here.png") == self.bytes("there.png"))
+
+
+@unittest.skipUnless(harness.has_opencl() and "JULIAVDB_FAKE_LOADER" in os.environ, "no device of OpenCL, or no fake of one")
+class KeptPrograms(Devices):
+    """What devices have compiled is kept in the user's cache folder. A driver that takes no source shows that it is used."""
+
+    RUN = ("fractal", "t.obj", *LOW, "--mesh", "there.ply", *ON)
+
+    def setUp(self):
+        super().setUp()
+        self.ok("fractal", "t.obj", *LOW, "--mesh", "here.ply")
+        self.cache = self.path("cache")
+
+    def files(self):
+        return sorted(self.cache.glob("*"))
+
+    def run_with(self, mode=None, **more):
+        env = {**(fake(mode) if mode else fake("none")), "JULIAVDB_DEVICE_CACHE": str(self.cache), **more}
+        self.assertNotIn("The processor", self.ok(*self.RUN, env=env))
+        self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
+
+    def is_used(self):
+        """Whether a run needs no source; otherwise the device cannot be used, or not for the field."""
+        run = self.run_program(*self.RUN, env={**fake("source"), "JULIAVDB_DEVICE_CACHE": str(self.cache)})
+        return run.returncode == harness.DONE and b"The processor" not in run.stderr
+
+    def test_a_later_run_compiles_nothing_and_repeats_no_test_of_the_arithmetic(self):
+        env = {"JULIAVDB_DEVICE_CACHE": str(self.cache)}
+        first, second = self.use(*self.RUN[:-2], env=env), self.use(*self.RUN[:-2], env=env)
+        self.assertEqual(first["deviceKernels"] - second["deviceKernels"], 2)
+        self.assertTrue(self.is_used())
+        self.assertEqual(self.cache.stat().st_mode & 0o777, 0o700)
+        for file in self.files():
+            self.assertEqual((file.suffix, file.stat().st_mode & 0o777), (".program", 0o600))
+        # The list of devices always tests them.
+        self.assertIn("not used", self.ok("devices", data=True, env={**env, **fake("wrong:1")}))
+
+    def test_the_users_cache_folder(self):
+        for env, place in (({"XDG_CACHE_HOME": self.path("xdg")}, "xdg"), ({"XDG_CACHE_HOME": "", "HOME": self.path("home")}, "home/.cache"),
+                           ({"XDG_CACHE_HOME": "relative", "HOME": self.path("other")}, "other/.cache")):
+            self.ok(*self.RUN, env={"JULIAVDB_DEVICE_CACHE": "", **{name: str(value) for name, value in env.items()}})
+            self.assertTrue(list(self.path(place).glob("juliavdb/devices/*.program")), place)
+        self.assertFalse(self.path("relative/juliavdb").exists())
+
+    def test_what_was_tampered_with_is_made_again(self):
+        self.run_with()
+        whole = {file: file.read_bytes() for file in self.files()}
+
+        def change(how):
+            for file, content in whole.items():
+                file.unlink(missing_ok=True)
+                how(file, content)
+
+        def linked(file, content):
+            self.write(file.name, "")
+            self.path(file.name).write_bytes(content)
+            file.symlink_to(self.path(file.name))
+
+        def writable(file, content):
+            file.write_bytes(content)
+            file.chmod(0o666)
+
+        for name, how in (("one byte", lambda file, content: file.write_bytes(content[:-5] + bytes([content[-5] ^ 1]) + content[-4:])),
+                          ("a part", lambda file, content: file.write_bytes(content[:len(content) // 2])),
+                          ("nothing", lambda file, content: file.write_bytes(b"")),
+                          ("another version", lambda file, content: file.write_bytes(content.replace(b"cache 1", b"cache 2", 1))),
+                          ("a link", linked), ("one that others may write", writable)):
+            with self.subTest(name):
+                change(how)
+                self.assertFalse(self.is_used())
+                self.run_with()
+                self.assertTrue(self.is_used())
+
+    def test_a_key_of_another_program_is_not_taken(self):
+        self.run_with()
+        contents = [file.read_bytes() for file in self.files()]
+        for file, content in zip(self.files(), contents[1:] + contents[:1]):
+            file.write_bytes(content)
+        self.assertFalse(self.is_used())
+        self.run_with()
+
+    def test_a_folder_that_others_may_write_is_not_used(self):
+        self.run_with()
+        for mode in (0o720, 0o702):
+            self.cache.chmod(mode)
+            self.assertFalse(self.is_used())
+            self.run_with()
+        self.cache.chmod(0o700)
+        self.assertTrue(self.is_used())
+
+    def test_a_folder_that_is_none(self):
+        self.write("cache", "a file")
+        self.run_with()
+        self.assertEqual(self.cache.read_text(), "a file")
+        self.run_with(JULIAVDB_DEVICE_CACHE="/proc/nothing")
+        self.run_with(JULIAVDB_DEVICE_CACHE="none")
+        self.assertFalse(self.path("none").exists())
+
+    def test_two_processes_at_once(self):
+        env = {**harness.environment(), "JULIAVDB_DEVICE_CACHE": str(self.cache)}
+        words = [harness.program(), *map(str, self.RUN[:6]), "--mesh"]
+        runs = [subprocess.Popen([*words, f"{n}.ply", *ON], cwd=self.path("."), env=env, stderr=subprocess.PIPE) for n in range(3)]
+        for n, run in enumerate(runs):
+            said = run.communicate(timeout=harness.TIMEOUT)[1]
+            self.assertEqual(run.returncode, 0, said)
+            self.assertTrue(self.bytes("here.ply") == self.bytes(f"{n}.ply"))
+        self.assertTrue(all(file.suffix == ".program" for file in self.files()))
+        self.assertTrue(self.is_used())
+
+    def test_old_files_are_removed(self):
+        self.run_with()
+        for n in range(200):
+            file = self.cache / f"{n:064}.program"
+            file.write_bytes(b"")
+            os.utime(file, (1000 + n, 1000 + n))
+        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
+        self.ok("fractal", "t.obj", *LOW, "--texture", "v.o3d", "--mesh", "a.ply", *ON, env={"JULIAVDB_DEVICE_CACHE": str(self.cache)})
+        names = {file.name for file in self.files()}
+        self.assertLessEqual(len(names), 128)
+        self.assertNotIn(f"{0:064}.program", names)
+        self.assertTrue(self.is_used())
 
 
 @unittest.skipUnless(harness.has_opencl(), "no device of OpenCL is installed")

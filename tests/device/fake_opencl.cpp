@@ -5,18 +5,25 @@
 //   lost:N      the Nth kernel that is run, and every later one, fails
 //   wrong:N     the Nth result that is read, and every later one, has one bit that is wrong
 //   hang:N      the Nth result that is read, and every later one, never arrives
+//   compiler    the compiler never ends
+//   source      the compiler takes no source, only what it has compiled before
 //   rounded     the device claims correctly rounded divisions and square roots, as Oclgrind has and does not say
 //   denormals   the device has no denormal numbers
 //   singles     the device does not compute in 64 bits
+//   full:N      after two kernels, there is no memory of more than N bytes in one piece, but for what kernels only read
 //   small       the device's memory holds a thousand bytes in one piece
+//
+// With JULIAVDB_FAKE_DEVICES=2, each device is listed twice.
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
 #include <dlfcn.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <string>
+#include <thread>
 
 namespace {
 
@@ -36,7 +43,7 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-std::atomic<int> kernels{0}, wrongReads{0}, hungReads{0};
+std::atomic<int> ran{0}, kernels{0}, wrongReads{0}, hungReads{0};
 std::atomic<bool> hangs{false};
 
 }  // namespace
@@ -46,9 +53,35 @@ extern "C" {
 cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t* offset,
                               const size_t* size, const size_t* group, cl_uint count, const cl_event* events,
                               cl_event* event) {
+  ++ran;
   if (isDue("lost", kernels)) return CL_OUT_OF_RESOURCES;
   return next<decltype(clEnqueueNDRangeKernel)>("clEnqueueNDRangeKernel")(queue, kernel, dimensions, offset, size,
                                                                           group, count, events, event);
+}
+
+cl_program clCreateProgramWithSource(cl_context context, cl_uint count, const char** texts, const size_t* lengths,
+                                     cl_int* error) {
+  if (mode() == "source") {
+    if (error) *error = CL_COMPILER_NOT_AVAILABLE;
+    return nullptr;
+  }
+  return next<decltype(clCreateProgramWithSource)>("clCreateProgramWithSource")(context, count, texts, lengths, error);
+}
+
+cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id* devices, const char* options,
+                      void (*notify)(cl_program, void*), void* data) {
+  while (mode() == "compiler") std::this_thread::sleep_for(std::chrono::seconds(1));
+  return next<decltype(clBuildProgram)>("clBuildProgram")(program, count, devices, options, notify, data);
+}
+
+cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void* host, cl_int* error) {
+  const std::string set = mode();
+  if (set.rfind("full:", 0) == 0 && ran >= 2 && !(flags & CL_MEM_READ_ONLY) &&
+      size > std::strtoul(set.c_str() + std::string("full:").size(), nullptr, 10)) {
+    if (error) *error = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    return nullptr;
+  }
+  return next<decltype(clCreateBuffer)>("clCreateBuffer")(context, flags, size, host, error);
 }
 
 cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,
@@ -65,6 +98,17 @@ cl_int clGetEventInfo(cl_event event, cl_event_info what, size_t size, void* to,
   const cl_int error = next<decltype(clGetEventInfo)>("clGetEventInfo")(event, what, size, to, needed);
   if (hangs && error == CL_SUCCESS && to && what == CL_EVENT_COMMAND_EXECUTION_STATUS)
     *static_cast<cl_int*>(to) = CL_RUNNING;
+  return error;
+}
+
+cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id* devices,
+                      cl_uint* found) {
+  const auto list = next<decltype(clGetDeviceIDs)>("clGetDeviceIDs");
+  if (!std::getenv("JULIAVDB_FAKE_DEVICES")) return list(platform, type, room, devices, found);
+  const cl_int error = list(platform, type, room / 2, devices, found);
+  if (error != CL_SUCCESS) return error;
+  if (found) *found *= 2;
+  for (cl_uint i = 0; devices && i < room / 2; ++i) devices[room / 2 + i] = devices[i];
   return error;
 }
 

@@ -378,6 +378,121 @@ TYPED_TEST(Devices, blocksHaveTheSignsOfTheirNodes) {
   EXPECT_LT(inside, 400);
 }
 
+/// The map of the tests of blocks and edges of a lattice, and a lattice that its surface crosses.
+template <class Real>
+std::unique_ptr<FieldEvaluator> evaluatorOfRoots() {
+  const julia::PlacedBricks bricks = law_tests::lumpyBricks(Interpolation::Trilinear);
+  const auto field = std::make_shared<julia::BrickField<Real>>(bricks.bricks, bricks.placement);
+  const auto map = std::make_shared<const julia::ShapeModulus<Real>>(field, rationals()[0], DropAxis::K);
+  return julia::makeFieldEvaluator<Real>(map, {}, OrbitOptions{.maxIterations = 5});
+}
+constexpr julia::SearchLattice kLattice{.voxelSize = 0.03, .centre = {0.1, -0.2, 0.03}, .scale = 1.25};
+
+/// Blocks side by side, some of which want a part of their nodes only, and one beyond the escape radius.
+std::vector<julia::SignBlock> blocksOfLattice(int side) {
+  std::vector<julia::SignBlock> blocks;
+  for (int x = -side; x < side; ++x)
+    for (int y = -side; y < side; ++y)
+      for (int z = -side; z < side; ++z) {
+        julia::SignBlock block{.origin = {8 * x, 8 * y, 8 * z}};
+        if (blocks.size() % 5 == 1) block.wanted = static_cast<std::uint8_t>(blocks.size() * 37 % 256);
+        blocks.push_back(block);
+      }
+  blocks.push_back({.origin = {100000, -100000, 3}});
+  return blocks;
+}
+
+TYPED_TEST(Devices, signsOfALatticeAreThoseOfItsNodes) {
+  using Real = TypeParam;
+  const auto host = evaluatorOfRoots<Real>();
+  std::string reason;
+  const auto there = firstDevice()->evaluator(evaluatorOfRoots<Real>(), reason);
+  ASSERT_EQ(reason, "");
+  std::vector<julia::SignBlock> blocks = blocksOfLattice(3), here = blocks;
+  const julia::DeviceUse before = firstDevice()->use();
+  there->evaluateSigns(kLattice, blocks);
+  const julia::DeviceUse after = firstDevice()->use();
+  host->evaluateSigns(kLattice, here);
+  std::size_t inside = 0, wanted = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    EXPECT_EQ(here[i].inside, blocks[i].inside) << i;
+    for (std::size_t x = 0; x < 8; ++x)
+      for (std::size_t k = 0; k < 64; ++k) {
+        const Point at{kLattice.at(blocks[i].origin[0] + static_cast<double>(x), 0),
+                       kLattice.at(blocks[i].origin[1] + static_cast<double>(k / 8), 1),
+                       kLattice.at(blocks[i].origin[2] + static_cast<double>(k % 8), 2)};
+        const bool isWanted = blocks[i].wanted >> (x / 4 * 4 + k / 32 * 2 + k % 8 / 4) & 1;
+        const bool isInside = blocks[i].inside[x] >> k & 1;
+        double field = 0;
+        if (isWanted && (i * 512 + x * 64 + k) % 7 == 0) {
+          host->evaluate({&at, 1}, {&field, 1}, {});
+          EXPECT_EQ(isInside, field < 0) << i;
+        }
+        if (!isWanted) EXPECT_FALSE(isInside) << i;
+        wanted += isWanted;
+        inside += isInside;
+      }
+  }
+  EXPECT_GT(inside, wanted / 100);
+  EXPECT_LT(inside, wanted * 9 / 10);
+  // All of them in one call, without a coordinate that is copied and without a value of F.
+  EXPECT_EQ(after.calls - before.calls, 1u);
+  EXPECT_EQ(after.points - before.points, 512 * blocks.size());
+  EXPECT_LE(after.bytesTo - before.bytesTo, 16 * blocks.size() + 64);
+  EXPECT_LE(after.bytesFrom - before.bytesFrom, 128 * blocks.size());
+}
+
+TYPED_TEST(Devices, edgesOfALatticeHaveThePlacesOfTheProcessor) {
+  using Real = TypeParam;
+  const auto host = evaluatorOfRoots<Real>();
+  std::string reason;
+  const auto there = firstDevice()->evaluator(evaluatorOfRoots<Real>(), reason);
+  ASSERT_EQ(reason, "");
+  std::vector<julia::NodeEdge> edges;
+  std::vector<julia::CrossedEdge> crossed;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int x = -20; x < 20; ++x)
+      for (int y = -20; y < 20; ++y)
+        for (int z = -20; z < 20; ++z) {
+          std::array<Point, 2> ends;
+          for (std::size_t end = 0; end < 2; ++end)
+            ends[end] = {kLattice.at(x + (axis == 0 && end), 0), kLattice.at(y + (axis == 1 && end), 1),
+                         kLattice.at(z + (axis == 2 && end), 2)};
+          std::array<double, 2> field{};
+          host->evaluate(ends, field, {});
+          if ((field[0] < 0) == (field[1] < 0)) continue;
+          const std::array<std::int32_t, 3> node = {x, y, z};
+          edges.push_back({node, axis, julia::storedField(field[0]), julia::storedField(field[1])});
+          crossed.push_back({ends[0], axis, static_cast<double>(node[static_cast<std::size_t>(axis)]),
+                             edges.back().from, edges.back().to});
+        }
+  ASSERT_GT(edges.size(), 500u);
+  std::vector<double> expected(edges.size()), found(edges.size());
+  host->findCrossings(crossed, kLattice, expected);
+  const auto signAlone = [](float& field) {
+    field = static_cast<float>(field < 0 ? -julia::kFieldLimit : julia::kFieldLimit);
+  };
+  // F at both ends, at one end, at the other, and at none: its signs are enough.
+  for (int unknown = 0; unknown < 4; ++unknown) {
+    std::vector<julia::NodeEdge> some = edges;
+    for (julia::NodeEdge& edge : some) {
+      if (unknown & 1) signAlone(edge.from);
+      if (unknown & 2) signAlone(edge.to);
+    }
+    const julia::DeviceUse before = firstDevice()->use();
+    there->findNodeCrossings(some, kLattice, found);
+    const julia::DeviceUse after = firstDevice()->use();
+    EXPECT_EQ(found, expected) << unknown;
+    EXPECT_EQ(after.calls - before.calls, 1u);
+    EXPECT_EQ(after.edges - before.edges, edges.size());
+    EXPECT_LE(after.bytesTo - before.bytesTo, (unknown == 3 ? 16 : 24) * edges.size() + 64);
+    EXPECT_LE(after.bytesFrom - before.bytesFrom, 8 * edges.size());
+    std::ranges::fill(found, -1);
+    host->findNodeCrossings(some, kLattice, found);
+    EXPECT_EQ(found, expected) << unknown;
+  }
+}
+
 TYPED_TEST(Devices, leaveToTheProcessorWhatTheyCannotEvaluate) {
   using Real = TypeParam;
   const auto reasonOf = [](std::unique_ptr<FieldEvaluator> host) {

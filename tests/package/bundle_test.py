@@ -6,6 +6,7 @@ JULIAVDB_BUILD is the build folder, JULIAVDB the program in it, with whose bytes
 
 import http.client
 import importlib.util
+import json
 import os
 import pathlib
 import re
@@ -117,7 +118,7 @@ class Bundle(unittest.TestCase):
     def test_what_is_in_it(self):
         for name in ("bin/juliavdb", "lib/juliavdb/libvdbtools.so", "lib/juliavdb/libstdc++.so.6", "lib/juliavdb/libgcc_s.so.1",
                      "share/juliavdb/blender/juliavdb_addon.zip", "share/juliavdb/houdini/toolbar/juliavdb.shelf",
-                     "share/juliavdb/templates/deadline.sh", "share/man/man1/juliavdb.1", "share/doc/juliavdb/copyright", "README.txt"):
+                     "share/juliavdb/templates/deadline.sh", "bench/gpu", "bench/device_bench", "share/man/man1/juliavdb.1", "share/doc/juliavdb/copyright", "README.txt"):
             self.assertTrue((self.unpacked / name).is_file(), name)
         for name in (*C_LIBRARY, os.path.basename(LINKER)):
             self.assertEqual(list(self.unpacked.rglob(name)), [], "a C library that is not the linker's does not start")
@@ -130,6 +131,19 @@ class Bundle(unittest.TestCase):
             # RUNPATH, unlike RPATH, comes after LD_LIBRARY_PATH, which hosts set to libraries of their own.
             self.assertRegex(dynamic, r"\(RPATH\) +Library rpath: \[\$ORIGIN\]\n", file.name)
             self.assertNotIn("(RUNPATH)", dynamic)
+
+    @unittest.skipUnless(harness.has_opencl(), "no device of OpenCL is installed")
+    def test_it_measures_devices(self):
+        """bench/gpu finds the bundle's programs, and the time limit leaves a result. tests/bench/gpu_test.py has the rest."""
+        out = self.folder / "gpu"
+        env = {name: value for name, value in os.environ.items() if not name.startswith("JULIAVDB")}
+        said = run(sys.executable, self.unpacked / "bench/gpu", "--quick", "--seconds", 10, "--mesh", self.work / "s.obj", "--out", out, env=env)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        results = json.loads((out / "gpu.json").read_text())
+        self.assertTrue(results["devices"]["devices"][0]["usable"])
+        self.assertTrue(results["kernels"])
+        self.assertNotIn("kernels_failed", results)
+        self.assertIs(results["commands"][0]["same"], True)
 
     def test_a_library_of_the_host_does_not_come_first(self):
         wrong = self.folder / "wrong"

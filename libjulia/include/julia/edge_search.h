@@ -6,6 +6,7 @@
 #include "julia/embedding.h"
 
 #include <array>
+#include <cstdint>
 
 namespace julia {
 
@@ -14,8 +15,15 @@ struct CrossedEdge {
   Point begin;       ///< its beginning, as F is evaluated there
   int axis = 0;      ///< the coordinate along which it runs
   double index = 0;  ///< of its beginning along that axis, in index space
-  float from = 0;    ///< F at its beginning; kFieldLimit if no more is known than that F >= 0
+  float from = 0;    ///< F at its beginning; kFieldLimit with the sign of F if no more is known
   float to = 0;      ///< the same at its end; one of the two is below 0, and the other is not
+};
+
+/// Such an edge between two nodes of a lattice, by its numbers.
+struct NodeEdge {
+  std::array<std::int32_t, 3> node{};  ///< its beginning
+  int axis = 0;                        ///< as in CrossedEdge
+  float from = 0, to = 0;              ///< as in CrossedEdge
 };
 
 /// A lattice of nodes, and how precisely its edges are searched.

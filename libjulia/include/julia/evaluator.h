@@ -40,6 +40,13 @@ struct NodeBlock {
   std::span<float, kSize> field;  ///< receives the results; values of the other eighths are left unchanged
 };
 
+/// The signs of F at 8^3 nodes of a lattice, by their numbers.
+struct SignBlock {
+  std::array<std::int32_t, 3> origin{};   ///< the first node
+  std::uint8_t wanted = 0xff;             ///< as in NodeBlock
+  std::array<std::uint64_t, 8> inside{};  ///< receives in bit 8 y + z of word x whether F < 0; 0 where it is not wanted
+};
+
 /// F as it is stored in 32 bits: rounded, without losing the sign.
 inline float storedField(double field) {
   const float value = static_cast<float>(field);
@@ -88,6 +95,16 @@ class FieldEvaluator {
   /// Evaluates the sign of F at the nodes of blocks: field receives F or, if its sign is known without following the
   /// orbit to its end, kFieldLimit with that sign. The result at a node depends on its block alone.
   virtual void evaluateBlocks(std::span<const NodeBlock> blocks) const;
+
+  /// How many nodes evaluateSigns() should get at a time; 0 if evaluateBlocks() is at least as fast.
+  virtual std::size_t preferredNodes() const { return 0; }
+
+  /// Evaluates the signs of F at the nodes of blocks of a lattice, whose coordinates are made where F is evaluated.
+  virtual void evaluateSigns(const SearchLattice& lattice, std::span<SignBlock> blocks) const;
+
+  /// As findCrossings(), for edges between nodes of the lattice.
+  virtual void findNodeCrossings(std::span<const NodeEdge> edges, const SearchLattice& lattice,
+                                 std::span<double> found) const;
 
   /// Sets found[i] to a place on edge i, in voxels from its beginning. The sign of F changes within the lattice's
   /// tolerance of it. The result depends on the edge alone. @pre found.size() == edges.size()

@@ -44,10 +44,11 @@ std::unique_ptr<FieldEvaluator> onCurrentDevice(std::unique_ptr<FieldEvaluator> 
 
 #ifdef JULIA_OPENCL
 
-std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal) {
+std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal,
+                                                       const std::shared_ptr<const DeviceCache>& cache) {
   std::vector<std::shared_ptr<const Device>> devices;
   for (const auto& place : device::OpenClDevice::places(refusal))
-    devices.push_back(std::make_shared<const device::OpenClDevice>(place, notice));
+    devices.push_back(std::make_shared<const device::OpenClDevice>(place, notice, cache));
   return devices;
 }
 
@@ -55,7 +56,8 @@ std::vector<DriverPlace> driverPlaces() { return device::openClDrivers().places;
 
 #else
 
-std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice&, std::string& refusal) {
+std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice&, std::string& refusal,
+                                                       const std::shared_ptr<const DeviceCache>&) {
   refusal = "this program was built without devices: " JULIA_NO_OPENCL;
   return {};
 }

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -37,9 +38,18 @@ std::vector<Point> pointsToTry(double escapeRadius) {
   return points;
 }
 
+/// Whether the device of an evaluator has failed.
+class LosableEvaluator : public FieldEvaluator {
+ public:
+  bool isLost() const { return mLost; }
+
+ protected:
+  mutable std::atomic<bool> mLost = false;
+};
+
 /// Evaluates a field of ProgramData in the type Real.
 template <class Real>
-class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
+class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
  public:
   /// @param host  must outlive this until own() is called with it
   DeviceEvaluator(std::shared_ptr<const OpenClDevice> device, std::unique_ptr<const ProgramData> data,
@@ -88,6 +98,21 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     return !searches() || agreesOnEdges(points, here);
   }
 
+  /// A call has a fixed cost, which so many nodes outweigh by far.
+  std::size_t preferredNodes() const override { return mLost || !searches() ? 0 : std::size_t{1} << 22; }
+
+  /// The nodes' coordinates are made on the device; signs are all that comes back.
+  void evaluateSigns(const SearchLattice& lattice, std::span<SignBlock> blocks) const override {
+    if (!searches() || !isDone([&] { findSignsThere(lattice, blocks); })) mHost->evaluateSigns(lattice, blocks);
+  }
+
+  void findNodeCrossings(std::span<const NodeEdge> edges, const SearchLattice& lattice,
+                         std::span<double> found) const override {
+    constexpr std::size_t kFew = 16;
+    if (edges.size() < kFew || !searches() || !isDone([&] { findNodesThere(edges, lattice, found); }))
+      mHost->findNodeCrossings(edges, lattice, found);
+  }
+
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
     // A few points are evaluated faster than they are sent.
     constexpr std::size_t kFew = 64;
@@ -126,7 +151,8 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
 
  private:
   static constexpr const char* kFollow = "followOrbits";
-  static constexpr std::size_t kMostAtOnce = std::size_t{1} << 18;
+  /// The largest numbers of points, edges and blocks of a call.
+  static constexpr std::size_t kMostAtOnce = std::size_t{1} << 20, kMostBlocks = std::size_t{1} << 17;
 
   /// The memory with which one thread evaluates points, kept between calls.
   struct Work {
@@ -149,6 +175,36 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     std::vector<std::int32_t> axesHere{};
     std::array<double, 5> latticeHere{};
   };
+
+  /// The memory with which one thread searches edges between nodes.
+  struct NodeSearch {
+    explicit NodeSearch(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, "searchNodeEdges") {
+      of.setShared(lane);
+    }
+
+    OpenClDevice::Lane lane;
+    std::size_t capacity = 0, endsCapacity = 0;
+    OpenClDevice::Memory edges{}, ends{}, found{}, lattice{};
+    std::vector<std::int32_t> edgesHere{};
+    std::vector<float> endsHere{};
+    std::vector<double> foundHere{};
+    std::array<double, 5> latticeHere{};
+  };
+  /// The memory with which one thread evaluates signs of blocks.
+  struct Signs {
+    explicit Signs(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, "findSigns") { of.setShared(lane); }
+
+    OpenClDevice::Lane lane;
+    std::size_t capacity = 0;
+    OpenClDevice::Memory blocks{}, inside{}, unusual{}, lattice{};
+    std::vector<std::int32_t> blocksHere{};
+    std::vector<std::array<std::uint64_t, 8>> insideHere{}, unusualHere{};
+    std::array<double, 5> latticeHere{};
+  };
+
+  static std::array<double, 5> numbersOf(const SearchLattice& lattice) {
+    return {lattice.voxelSize, lattice.scale, lattice.centre[0], lattice.centre[1], lattice.centre[2]};
+  }
 
   bool searches() const { return mDevice->info().doubles; }
 
@@ -194,12 +250,58 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     std::vector<double> here(kept), there(kept);
     findThere(edges, lattice, there);
     mHost->findCrossings(edges, lattice, here);
-    return std::equal(here.begin(), here.end(), there.begin(), [](double a, double b) { return sameBits(a, b); });
+    if (!std::equal(here.begin(), here.end(), there.begin(), [](double a, double b) { return sameBits(a, b); }))
+      return false;
+    return agreesOnNodes(edges, lattice);
   }
 
-  /// The number of points or edges for which memory is allocated if it has to hold @a count.
+  /// Whether the device finds the signs of the processor in blocks about these edges, and its places on edges between
+  /// their nodes.
+  bool agreesOnNodes(std::span<const CrossedEdge> edges, const SearchLattice& lattice) const {
+    constexpr std::size_t kBlocks = 4;
+    std::vector<SignBlock> here;
+    for (std::size_t i = 0; i < kBlocks; ++i) {
+      // Where there is no edge, blocks are as good anywhere.
+      const Point at =
+          edges.empty() ? Point{0.1 * static_cast<double>(i), 0, 0} : edges[i * edges.size() / kBlocks].begin;
+      SignBlock block;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        block.origin[axis] = static_cast<std::int32_t>(std::clamp(
+            std::floor((at[axis] * lattice.scale + lattice.centre[axis]) / lattice.voxelSize) - 4, -1e8, 1e8));
+      here.push_back(block);
+    }
+    std::vector<SignBlock> there = here;
+    findSignsThere(lattice, there);
+    mHost->evaluateSigns(lattice, here);
+    std::vector<NodeEdge> crossed;
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      if (here[i].inside != there[i].inside) return false;
+      const auto isInside = [&](std::size_t x, std::size_t y, std::size_t z) {
+        return here[i].inside[x] >> (8 * y + z) & 1;
+      };
+      for (std::size_t x = 0; x < 7; ++x)
+        for (std::size_t node = 0; node < 64; ++node) {
+          const std::size_t y = node / 8, z = node % 8;
+          if (isInside(x, y, z) == isInside(x + 1, y, z)) continue;
+          NodeEdge edge{.node = here[i].origin, .axis = 0};
+          const std::size_t offset[3] = {x, y, z};
+          for (std::size_t axis = 0; axis < 3; ++axis) edge.node[axis] += static_cast<std::int32_t>(offset[axis]);
+          const auto limit = static_cast<float>(kFieldLimit);
+          edge.from = isInside(x, y, z) ? -limit : limit;
+          edge.to = -edge.from;
+          crossed.push_back(edge);
+        }
+    }
+    std::vector<double> placesHere(crossed.size()), placesThere(crossed.size());
+    findNodesThere(crossed, lattice, placesThere);
+    mHost->findNodeCrossings(crossed, lattice, placesHere);
+    return std::equal(placesHere.begin(), placesHere.end(), placesThere.begin(),
+                      [](double a, double b) { return sameBits(a, b); });
+  }
+
+  /// The number of points, edges or blocks for which memory is allocated if it has to hold @a count.
   static std::size_t roomFor(std::size_t count) {
-    std::size_t capacity = 4096;
+    std::size_t capacity = 64;
     while (capacity < count) capacity *= 2;
     return capacity;
   }
@@ -212,6 +314,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   void reserve(Work& work, std::size_t count) const {
     if (count <= work.capacity) return;
     const std::size_t capacity = roomFor(count);
+    work.capacity = 0;
     work.points = work.lane.made(3 * capacity * sizeof(Real));
     work.ends = work.lane.made(capacity * sizeof(Real));
     work.steps = work.lane.made(capacity * sizeof(std::int32_t));
@@ -223,6 +326,7 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   void reserve(Search& search, std::size_t count) const {
     if (count <= search.capacity) return;
     const std::size_t capacity = roomFor(count);
+    search.capacity = 0;
     search.edges = search.lane.made(6 * capacity * sizeof(double));
     search.axes = search.lane.made(capacity * sizeof(std::int32_t));
     search.found = search.lane.made(capacity * sizeof(double));
@@ -233,21 +337,68 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     search.capacity = capacity;
   }
 
+  void reserve(NodeSearch& search, std::size_t count, bool known) const {
+    if (count > search.capacity) {
+      const std::size_t capacity = roomFor(count);
+      search.capacity = search.endsCapacity = 0;
+      search.edges = search.lane.made(4 * capacity * sizeof(std::int32_t));
+      search.found = search.lane.made(capacity * sizeof(double));
+      search.ends = search.lane.made(0);
+      search.lattice = search.lane.made(search.latticeHere.size() * sizeof(double));
+      search.lane.setArgument(0, search.edges.get());
+      search.lane.setArgument(1, search.ends.get());
+      search.lane.setArgument(2, search.found.get());
+      search.lane.setArgument(8, search.lattice.get());
+      search.capacity = capacity;
+    }
+    if (!known || count <= search.endsCapacity) return;
+    const std::size_t capacity = roomFor(count);
+    search.ends = search.lane.made(2 * capacity * sizeof(float));
+    search.lane.setArgument(1, search.ends.get());
+    search.endsCapacity = capacity;
+  }
+
+  void reserve(Signs& signs, std::size_t count) const {
+    if (count <= signs.capacity) return;
+    const std::size_t capacity = roomFor(count);
+    signs.capacity = 0;
+    signs.blocks = signs.lane.made(4 * capacity * sizeof(std::int32_t));
+    signs.inside = signs.lane.made(capacity * NodeBlock::kSize / 8);
+    signs.unusual = signs.lane.made(capacity * NodeBlock::kSize / 8);
+    signs.lattice = signs.lane.made(signs.latticeHere.size() * sizeof(double));
+    const cl_mem arguments[] = {signs.blocks.get(), signs.inside.get(), signs.unusual.get()};
+    for (cl_uint k = 0; k < 3; ++k) signs.lane.setArgument(k, arguments[k]);
+    signs.lane.setArgument(8, signs.lattice.get());
+    signs.capacity = capacity;
+  }
+
   /// @throw DeviceFailure
   void evaluateThere(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const {
     auto work = mWork.borrow();
-    inPieces(points.size(), work, [&](std::size_t first, std::size_t count) {
+    inPieces(points.size(), kMostAtOnce, work, [&](std::size_t first, std::size_t count) {
       evaluatePiece(*work, points.subspan(first, count), field.subspan(first, count),
                     iterations.empty() ? iterations : iterations.subspan(first, count));
     });
   }
 
-  /// Calls @a piece for one part after another, each as large as a device gets at a time. @param loan  the memory for
-  /// it
+  /// Calls @a piece for one part after another, each as large as a device gets at a time. Parts for which it has no
+  /// memory are halved. @param loan  the memory of the host for it
   template <class Loan, class Function>
-  static void inPieces(std::size_t size, Loan& loan, const Function& piece) {
+  static void inPieces(std::size_t size, std::size_t most, Loan& loan, const Function& piece) {
+    // A device that has no memory for so few has none at all.
+    constexpr std::size_t kFewest = 64;
     try {
-      for (std::size_t first = 0; first < size; first += kMostAtOnce) piece(first, std::min(kMostAtOnce, size - first));
+      for (std::size_t first = 0; first < size;) {
+        const std::size_t count = std::min(most, size - first);
+        try {
+          piece(first, count);
+          first += count;
+        } catch (const DeviceIsFull&) {
+          if (count <= kFewest) throw;
+          loan->lane.forget();
+          most = count / 2;
+        }
+      }
     } catch (const DeviceHangs&) {
       keepUntilExit(loan.release());
       throw;
@@ -268,6 +419,8 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     work.lane.run(count);
     work.lane.read(work.ends.get(), work.endsHere.data(), count * sizeof(Real));
     work.lane.read(work.steps.get(), work.stepsHere.data(), count * sizeof(std::int32_t));
+    work.lane.wait();
+    mDevice->countPoints(count);
     std::vector<std::size_t> unusual;
     for (std::size_t i = 0; i < count; ++i) {
       if (work.stepsHere[i] < 0) {
@@ -281,10 +434,67 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   }
 
   /// @throw DeviceFailure
+  void findSignsThere(const SearchLattice& lattice, std::span<SignBlock> blocks) const {
+    auto signs = mSigns.borrow();
+    inPieces(blocks.size(), kMostBlocks, signs, [&](std::size_t first, std::size_t count) {
+      findSignsOfPiece(*signs, lattice, blocks.subspan(first, count));
+    });
+  }
+
+  void findSignsOfPiece(Signs& signs, const SearchLattice& lattice, std::span<SignBlock> blocks) const {
+    const std::size_t count = blocks.size(), nodes = count * NodeBlock::kSize;
+    reserve(signs, count);
+    signs.blocksHere.clear();
+    for (const SignBlock& block : blocks)
+      signs.blocksHere.insert(signs.blocksHere.end(), {block.origin[0], block.origin[1], block.origin[2],
+                                                       static_cast<std::int32_t>(block.wanted)});
+    signs.insideHere.resize(count);
+    signs.unusualHere.resize(count);
+    signs.latticeHere = numbersOf(lattice);
+    signs.lane.write(signs.blocks.get(), signs.blocksHere.data(), 4 * count * sizeof(std::int32_t));
+    signs.lane.write(signs.lattice.get(), signs.latticeHere.data(), signs.latticeHere.size() * sizeof(double));
+    signs.lane.setArgument(3, static_cast<cl_uint>(nodes));
+    signs.lane.run(nodes);
+    signs.lane.read(signs.inside.get(), signs.insideHere.data(), nodes / 8);
+    signs.lane.read(signs.unusual.get(), signs.unusualHere.data(), nodes / 8);
+    signs.lane.wait();
+    mDevice->countPoints(nodes);
+    struct Node {
+      SignBlock* block;
+      std::size_t x, bit;
+    };
+    std::vector<Node> unusual;
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < count; ++i) {
+      blocks[i].inside = signs.insideHere[i];
+      for (std::size_t x = 0; x < 8; ++x)
+        for (std::uint64_t rest = signs.unusualHere[i][x]; rest != 0; rest &= rest - 1) {
+          const auto bit = static_cast<std::size_t>(std::countr_zero(rest));
+          const std::array<std::size_t, 3> offset = {x, bit / 8, bit % 8};
+          unusual.push_back({&blocks[i], x, bit});
+          Point& point = points.emplace_back();
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            point[axis] = lattice.at(static_cast<double>(blocks[i].origin[axis]) + static_cast<double>(offset[axis]),
+                                     static_cast<int>(axis));
+        }
+    }
+    if (unusual.empty()) return;
+    std::vector<double> field(points.size());
+    mHost->evaluate(points, field, {});
+    for (std::size_t k = 0; k < unusual.size(); ++k)
+      if (field[k] < 0) unusual[k].block->inside[unusual[k].x] |= std::uint64_t{1} << unusual[k].bit;
+  }
+
+  /// @throw DeviceFailure
   void findThere(std::span<const CrossedEdge> edges, const SearchLattice& lattice, std::span<double> found) const {
     auto search = mSearch.borrow();
-    inPieces(edges.size(), search, [&](std::size_t first, std::size_t count) {
-      findPiece(*search, edges.subspan(first, count), lattice, found.subspan(first, count));
+    inPieces(edges.size(), kMostAtOnce, search, [&](std::size_t first, std::size_t count) {
+      const auto some = edges.subspan(first, count);
+      const auto places = found.subspan(first, count);
+      findPiece(*search, some, lattice, places);
+      searchHere(some, places, [&](std::span<const CrossedEdge> left, std::span<double> to) {
+        mHost->findCrossings(left, lattice, to);
+      });
     });
   }
 
@@ -299,10 +509,51 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
                                                        static_cast<double>(edge.from), static_cast<double>(edge.to)});
       search.axesHere.push_back(edge.axis);
     }
-    search.latticeHere = {lattice.voxelSize, lattice.scale, lattice.centre[0], lattice.centre[1], lattice.centre[2]};
+    search.latticeHere = numbersOf(lattice);
     search.lane.write(search.edges.get(), search.edgesHere.data(), 6 * count * sizeof(double));
     search.lane.write(search.axes.get(), search.axesHere.data(), count * sizeof(std::int32_t));
     search.lane.write(search.lattice.get(), search.latticeHere.data(), search.latticeHere.size() * sizeof(double));
+    runSearch(search, count, lattice, found);
+  }
+
+  /// @throw DeviceFailure
+  void findNodesThere(std::span<const NodeEdge> edges, const SearchLattice& lattice, std::span<double> found) const {
+    auto search = mNodeSearch.borrow();
+    inPieces(edges.size(), kMostAtOnce, search, [&](std::size_t first, std::size_t count) {
+      const auto some = edges.subspan(first, count);
+      const auto places = found.subspan(first, count);
+      findPiece(*search, some, lattice, places);
+      searchHere(some, places, [&](std::span<const NodeEdge> left, std::span<double> to) {
+        mHost->findNodeCrossings(left, lattice, to);
+      });
+    });
+  }
+
+  void findPiece(NodeSearch& search, std::span<const NodeEdge> edges, const SearchLattice& lattice,
+                 std::span<double> found) const {
+    constexpr auto kLimit = static_cast<float>(kFieldLimit);
+    const std::size_t count = edges.size();
+    const bool known = std::any_of(edges.begin(), edges.end(), [](const NodeEdge& edge) {
+      return std::abs(edge.from) < kLimit || std::abs(edge.to) < kLimit;
+    });
+    reserve(search, count, known);
+    search.edgesHere.clear();
+    search.endsHere.clear();
+    for (const NodeEdge& edge : edges) {
+      search.edgesHere.insert(search.edgesHere.end(), {edge.node[0], edge.node[1], edge.node[2], edge.axis});
+      if (known) search.endsHere.insert(search.endsHere.end(), {edge.from, edge.to});
+    }
+    search.latticeHere = numbersOf(lattice);
+    search.lane.write(search.edges.get(), search.edgesHere.data(), 4 * count * sizeof(std::int32_t));
+    if (known) search.lane.write(search.ends.get(), search.endsHere.data(), 2 * count * sizeof(float));
+    search.lane.write(search.lattice.get(), search.latticeHere.data(), search.latticeHere.size() * sizeof(double));
+    search.lane.setArgument(11, static_cast<cl_int>(known));
+    runSearch(search, count, lattice, found);
+  }
+
+  /// Runs one of the two kernels of searches.
+  template <class AnySearch>
+  void runSearch(AnySearch& search, std::size_t count, const SearchLattice& lattice, std::span<double> found) const {
     search.lane.setArgument(3, static_cast<cl_uint>(count));
     const double width = narrowBracket(lattice);
     search.lane.setArgument(9, width);
@@ -310,14 +561,20 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
     search.lane.run(count);
     search.foundHere.resize(count);
     search.lane.read(search.found.get(), search.foundHere.data(), count * sizeof(double));
+    search.lane.wait();
+    mDevice->countEdges(count);
     std::copy(search.foundHere.begin(), search.foundHere.end(), found.begin());
-    // The edges that the device leaves to the processor.
-    std::vector<CrossedEdge> some;
-    for (std::size_t i = 0; i < count; ++i)
+  }
+
+  /// Searches the edges that the device leaves to the processor, whose places are below 0.
+  template <class Edge, class Function>
+  static void searchHere(std::span<const Edge> edges, std::span<double> found, const Function& search) {
+    std::vector<Edge> some;
+    for (std::size_t i = 0; i < edges.size(); ++i)
       if (found[i] < 0) some.push_back(edges[i]);
     if (some.empty()) return;
     std::vector<double> places(some.size());
-    mHost->findCrossings(some, lattice, places);
+    search(std::span<const Edge>(some), std::span<double>(places));
     auto place = places.begin();
     for (double& one : found)
       if (one < 0) one = *place++;
@@ -345,12 +602,18 @@ class DeviceEvaluator final : public FieldEvaluator, public OrbitTracer {
   Real mLevel;
   std::shared_ptr<const OpenClDevice::Program> mProgram;
   OpenClDevice::Memory mNumbers, mIntegers, mPlaces, mValues;
-  mutable std::atomic<bool> mLost = false;
   mutable ObjectPool<Work> mWork{[this] { return std::make_unique<Work>(*this); }};
+  mutable ObjectPool<NodeSearch> mNodeSearch{[this] { return std::make_unique<NodeSearch>(*this); }};
+  mutable ObjectPool<Signs> mSigns{[this] { return std::make_unique<Signs>(*this); }};
   mutable ObjectPool<Search> mSearch{[this] { return std::make_unique<Search>(*this); }};
 };
 
 }  // namespace
+
+bool OpenClDevice::evaluates(const FieldEvaluator& evaluator) const {
+  const auto* const own = dynamic_cast<const LosableEvaluator*>(&evaluator);
+  return own && !own->isLost();
+}
 
 std::unique_ptr<FieldEvaluator> OpenClDevice::evaluator(std::unique_ptr<FieldEvaluator> host,
                                                         std::string& reason) const {

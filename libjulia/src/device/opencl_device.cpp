@@ -10,11 +10,15 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <mutex>
+#include <optional>
 #include <thread>
+#include <type_traits>
 #include <utility>
 
 namespace julia::device {
@@ -34,8 +38,11 @@ std::string meaningOf(cl_int error) {
 }
 
 void require(cl_int error, const char* what) {
-  if (error != CL_SUCCESS)
-    throw DeviceFailure(std::string(what) + ": OpenCL's error " + std::to_string(error) + ", " + meaningOf(error));
+  if (error == CL_SUCCESS) return;
+  const std::string message = std::string(what) + ": OpenCL's error " + std::to_string(error) + ", " + meaningOf(error);
+  // Drivers may allocate memory only when it is used first.
+  if (error == CL_MEM_OBJECT_ALLOCATION_FAILURE || error == CL_INVALID_BUFFER_SIZE) throw DeviceIsFull(message);
+  throw DeviceFailure(message);
 }
 
 template <class T>
@@ -144,8 +151,8 @@ std::vector<OpenClDevice::Place> OpenClDevice::places(std::string& refusal) {
   return places;
 }
 
-OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice)
-    : mCl(*place.platform.functions), mDevice(place.device), mNotice(std::move(notice)) {
+OpenClDevice::OpenClDevice(const Place& place, DeviceNotice notice, std::shared_ptr<const DeviceCache> cache)
+    : mCl(*place.platform.functions), mDevice(place.device), mNotice(std::move(notice)), mCache(std::move(cache)) {
   try {
     const auto platform = textOf([&](std::size_t size, char* to, std::size_t* needed) {
       return mCl.GetPlatformInfo(place.platform.id, CL_PLATFORM_NAME, size, to, needed);
@@ -186,9 +193,21 @@ std::string OpenClDevice::refusalOf() {
   cl_int error = CL_SUCCESS;
   mContext = mCl.CreateContext(nullptr, 1, &mDevice, nullptr, nullptr, &error);
   require(error, "its context cannot be made");
-  if (!hasArithmetic<float>()) return "its 32-bit arithmetic has other bits than the processor's";
-  if (mInfo.doubles) mInfo.doubles = hasArithmetic<double>();
+  if (!hadArithmetic<float>()) return "its 32-bit arithmetic has other bits than the processor's";
+  if (mInfo.doubles) mInfo.doubles = hadArithmetic<double>();
   return {};
+}
+
+/// hasArithmetic(), or what an earlier process found.
+template <class Real>
+bool OpenClDevice::hadArithmetic() {
+  const std::string key =
+      "arithmetic 1\n" + mInfo.name + "\n" + programText(std::is_same_v<Real, float>, ProgramData{}.texture);
+  constexpr const char* kPassed = "passed";
+  if (mCache && mCache->find(key) == kPassed) return true;
+  const bool passes = hasArithmetic<Real>();
+  if (mCache && passes) mCache->keep(key, kPassed);
+  return passes;
 }
 
 /// Compiles and runs the kernel tryArithmetic().
@@ -211,6 +230,7 @@ bool OpenClDevice::hasArithmetic() {
   std::vector<Real>& results = *held;
   try {
     lane.read(out.get(), results.data(), results.size() * sizeof(Real));
+    lane.wait();
   } catch (const DeviceHangs&) {
     keepUntilExit(held.release());
     throw;
@@ -233,23 +253,75 @@ std::shared_ptr<const OpenClDevice::Program> OpenClDevice::program(bool floats, 
 
 // --- Programs, and the queues through which threads run them ---
 
+/// Builds a program in a thread of its own, because a driver's compiler may hang.
+/// @throw DeviceHangs
+cl_int OpenClDevice::built(cl_program program, const std::string& options) const {
+  // A compiler has more to do than a kernel.
+  constexpr double kCompilerShare = 4;
+  struct Build {
+    std::mutex mutex;
+    std::condition_variable done;
+    std::optional<cl_int> error;
+  };
+  const auto build = std::make_shared<Build>();
+  // What the thread uses lives as long as it does: the functions and the device as long as the process.
+  std::thread([build, &cl = mCl, device = mDevice, program, options] {
+    const cl_int error = cl.BuildProgram(program, 1, &device, options.c_str(), nullptr, nullptr);
+    const std::lock_guard lock(build->mutex);
+    build->error = error;
+    build->done.notify_all();
+  }).detach();
+  std::unique_lock lock(build->mutex);
+  const std::chrono::duration<double> limit(kCompilerShare * mSeconds);
+  if (!build->done.wait_for(lock, limit, [&] { return build->error.has_value(); })) {
+    mHangs = true;
+    char seconds[32];
+    std::snprintf(seconds, sizeof(seconds), "%g", limit.count());
+    throw DeviceHangs("its compiler did not end in " + std::string(seconds) + " s");
+  }
+  return *build->error;
+}
+
 OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const std::string& switches,
                                const std::string& texture)
     : mDevice(device) {
-  const OpenClFunctions& cl = device.mCl;
   const std::string text = programText(floats, texture);
+  const std::string options = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -w" + switches;
+  const std::string key = "program\n" + device.mInfo.name + "\n" + options + "\n" + text;
+  if (fromCache(key, options)) return;
+  build(text, options);
+  if (!device.mCache) return;
+  if (const std::string data = binary(); !data.empty()) device.mCache->keep(key, data);
+}
+
+bool OpenClDevice::Program::fromCache(const std::string& key, const std::string& options) {
+  const std::string data = mDevice.mCache ? mDevice.mCache->find(key) : std::string();
+  if (data.empty()) return false;
+  const OpenClFunctions& cl = mDevice.mCl;
+  const std::size_t size = data.size();
+  const auto* bytes = reinterpret_cast<const unsigned char*>(data.data());
+  cl_int status = CL_SUCCESS, error = CL_SUCCESS;
+  mProgram = cl.CreateProgramWithBinary(mDevice.mContext, 1, &mDevice.mDevice, &size, &bytes, &status, &error);
+  if (error == CL_SUCCESS && status == CL_SUCCESS && mDevice.built(mProgram, options) == CL_SUCCESS) return true;
+  // A driver may refuse what another version of it has made under the same name.
+  if (error == CL_SUCCESS) cl.ReleaseProgram(mProgram);
+  mProgram = nullptr;
+  return false;
+}
+
+void OpenClDevice::Program::build(const std::string& text, const std::string& options) {
+  const OpenClFunctions& cl = mDevice.mCl;
   const char* source = text.c_str();
   const std::size_t length = text.size();
   cl_int error = CL_SUCCESS;
-  mProgram = cl.CreateProgramWithSource(device.mContext, 1, &source, &length, &error);
+  mProgram = cl.CreateProgramWithSource(mDevice.mContext, 1, &source, &length, &error);
   require(error, "its program cannot be made");
-  const std::string options = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt -w" + switches;
-  error = cl.BuildProgram(mProgram, 1, &device.mDevice, options.c_str(), nullptr, nullptr);
+  error = mDevice.built(mProgram, options);
   if (error == CL_SUCCESS) return;
   std::string log;
   try {
     log = textOf([&](std::size_t size, char* to, std::size_t* needed) {
-      return cl.GetProgramBuildInfo(mProgram, device.mDevice, CL_PROGRAM_BUILD_LOG, size, to, needed);
+      return cl.GetProgramBuildInfo(mProgram, mDevice.mDevice, CL_PROGRAM_BUILD_LOG, size, to, needed);
     });
   } catch (const DeviceFailure&) {
   }
@@ -257,6 +329,17 @@ OpenClDevice::Program::Program(const OpenClDevice& device, bool floats, const st
   // The first error is the most informative one.
   const std::size_t first = std::min(log.find("error:"), log.size());
   throw DeviceFailure("its compiler refused the program: " + log.substr(first, log.find('\n', first) - first));
+}
+
+/// The compiled program as the driver gives it out; empty if it does not.
+std::string OpenClDevice::Program::binary() const {
+  const OpenClFunctions& cl = mDevice.mCl;
+  std::size_t size = 0;
+  if (cl.GetProgramInfo(mProgram, CL_PROGRAM_BINARY_SIZES, sizeof(size), &size, nullptr) != CL_SUCCESS) return {};
+  std::string data(size, '\0');
+  auto* bytes = reinterpret_cast<unsigned char*>(data.data());
+  if (cl.GetProgramInfo(mProgram, CL_PROGRAM_BINARIES, sizeof(bytes), &bytes, nullptr) != CL_SUCCESS) return {};
+  return data;
 }
 
 OpenClDevice::Program::~Program() { mDevice.release(mProgram, mDevice.mCl.ReleaseProgram); }
@@ -274,46 +357,76 @@ OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Progr
 }
 
 OpenClDevice::Lane::~Lane() {
+  release(mBegun);
   mDevice.release(mKernel, mDevice.mCl.ReleaseKernel);
   mDevice.release(mQueue, mDevice.mCl.ReleaseCommandQueue);
 }
 
-OpenClDevice::Memory OpenClDevice::Lane::made(std::size_t bytes) const {
+OpenClDevice::Memory OpenClDevice::Lane::made(std::size_t bytes, cl_mem_flags flags) const {
   cl_int error = CL_SUCCESS;
   // A kernel's argument cannot be empty memory.
   const cl_mem memory =
-      mDevice.mCl.CreateBuffer(mDevice.mContext, CL_MEM_READ_WRITE, std::max<std::size_t>(bytes, 16), nullptr, &error);
+      mDevice.mCl.CreateBuffer(mDevice.mContext, flags, std::max<std::size_t>(bytes, 16), nullptr, &error);
   require(error, "its memory cannot be had");
   return Memory(memory, {&mDevice});
 }
 
 OpenClDevice::Memory OpenClDevice::Lane::uploaded(const void* data, std::size_t bytes) const {
-  Memory memory = made(bytes);
+  Memory memory = made(bytes, CL_MEM_READ_ONLY);
   if (bytes != 0)
     require(mDevice.mCl.EnqueueWriteBuffer(mQueue, memory.get(), CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
             "its memory cannot be written");
+  mDevice.countUse([&](DeviceUse& use) { use.bytesOfFields += bytes; });
   return memory;
 }
 
 void OpenClDevice::Lane::write(cl_mem memory, const void* data, std::size_t bytes) const {
   require(mDevice.mCl.EnqueueWriteBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, nullptr),
           "its memory cannot be written");
+  mDevice.countUse([&](DeviceUse& use) { use.bytesTo += bytes; });
 }
 
-void OpenClDevice::Lane::read(cl_mem memory, void* data, std::size_t bytes) const {
+void OpenClDevice::Lane::read(cl_mem memory, void* data, std::size_t bytes) {
+  mBegun.reserve(mBegun.size() + 1);
   cl_event event = nullptr;
   require(mDevice.mCl.EnqueueReadBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, &event),
           "its results cannot be read");
-  await(event);
+  mBegun.push_back(event);
+  mDevice.countUse([&](DeviceUse& use) { use.bytesFrom += bytes; });
 }
 
-/// Waits for an event, and releases it.
+void OpenClDevice::Lane::wait() {
+  const auto begin = std::chrono::steady_clock::now();
+  require(mDevice.mCl.Flush(mQueue), "its queue cannot be started");
+  // Each part may take as long as an answer may, so a large call is no slow one.
+  for (std::size_t i = 0; i < mBegun.size(); ++i) await(mBegun[i]);
+  release(mBegun);
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
+  // How many numbers take about half a second, as a power of two.
+  constexpr double kSecondsOfKernel = 0.5;
+  if (mCount >= kFewestTogether) {
+    const double seconds = static_cast<double>(mTogether) / static_cast<double>(mCount) * waited.count();
+    if (seconds > 2 * kSecondsOfKernel)
+      mTogether = std::max(mTogether / 2, kFewestTogether);
+    else if (seconds < kSecondsOfKernel / 2)
+      mTogether = std::min(mTogether * 2, kMostTogether);
+  }
+  mCount = 0;
+  mDevice.countUse([&](DeviceUse& use) {
+    ++use.calls;
+    use.waited += waited.count();
+  });
+}
+
+void OpenClDevice::Lane::release(std::vector<cl_event>& events) const {
+  for (const cl_event event : events) mDevice.release(event, mDevice.mCl.ReleaseEvent);
+  events.clear();
+}
+
+/// Waits for an event.
 void OpenClDevice::Lane::await(cl_event event) const {
   using Clock = std::chrono::steady_clock;
   const OpenClFunctions& cl = mDevice.mCl;
-  const auto release = [&](cl_event one) { cl.ReleaseEvent(one); };
-  std::unique_ptr<std::remove_pointer_t<cl_event>, decltype(release)> held(event, release);
-  require(cl.Flush(mQueue), "its queue cannot be started");
   // A driver's own wait has no timeout. Most answers take less than a millisecond.
   constexpr int kRoundsAwake = 200;
   constexpr std::chrono::microseconds kNap(100);
@@ -324,9 +437,10 @@ void OpenClDevice::Lane::await(cl_event event) const {
             "it does not say how far it is");
     if (status < 0) require(status, "its work failed");
     if (status == CL_COMPLETE) break;
-    if (std::chrono::duration<double>(Clock::now() - begin).count() > mDevice.mSeconds) {
+    // As long as the device does the work of other threads, it does not hang.
+    const Clock::duration since = std::max(begin.time_since_epoch(), mDevice.mLastAnswer.load());
+    if (std::chrono::duration<double>(Clock::now().time_since_epoch() - since).count() > mDevice.mSeconds) {
       mDevice.mHangs = true;
-      keepUntilExit(held.release());
       char seconds[32];
       std::snprintf(seconds, sizeof(seconds), "%g", mDevice.mSeconds);
       throw DeviceHangs("it gave no answer in " + std::string(seconds) + " s");
@@ -336,16 +450,46 @@ void OpenClDevice::Lane::await(cl_event event) const {
     else
       std::this_thread::sleep_for(kNap);
   }
+  mDevice.mLastAnswer = Clock::now().time_since_epoch();
   // Only this call guarantees that the data that was read is visible.
   require(cl.WaitForEvents(1, &event), "its work failed");
 }
 
-void OpenClDevice::Lane::run(std::size_t count) const {
+void OpenClDevice::Lane::run(std::size_t count) {
   // All groups are full: devices may require that, and the kernels skip the numbers beyond the last point.
   constexpr std::size_t kGroup = 64;
-  const std::size_t size = (count + kGroup - 1) / kGroup * kGroup;
-  require(mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, nullptr, &size, &kGroup, 0, nullptr, nullptr),
-          "its kernel cannot be run");
+  const std::size_t all = (count + kGroup - 1) / kGroup * kGroup;
+  mCount += count;
+  for (std::size_t first = 0; first < all; first += mTogether) {
+    const std::size_t size = std::min(mTogether, all - first);
+    mBegun.reserve(mBegun.size() + 1);
+    cl_event event = nullptr;
+    require(mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, &first, &size, &kGroup, 0, nullptr, &event),
+            "its kernel cannot be run");
+    mBegun.push_back(event);
+    mDevice.countUse([](DeviceUse& use) { ++use.kernels; });
+  }
+}
+
+// --- What it did ---
+
+DeviceUse OpenClDevice::use() const {
+  const std::lock_guard lock(mUseMutex);
+  return mUse;
+}
+
+void OpenClDevice::countPoints(std::size_t points) const {
+  countUse([&](DeviceUse& use) {
+    use.points += points;
+    use.mostPoints = std::max<std::uint64_t>(use.mostPoints, points);
+  });
+}
+
+void OpenClDevice::countEdges(std::size_t edges) const {
+  countUse([&](DeviceUse& use) {
+    use.edges += edges;
+    use.mostEdges = std::max<std::uint64_t>(use.mostEdges, edges);
+  });
 }
 
 }  // namespace julia::device

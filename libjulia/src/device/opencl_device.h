@@ -9,6 +9,7 @@
 #include "device/program_data.h"
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -33,6 +34,12 @@ class DeviceHangs : public DeviceFailure {
   using DeviceFailure::DeviceFailure;
 };
 
+/// The device has no memory for something. Less of it may fit.
+class DeviceIsFull : public DeviceFailure {
+ public:
+  using DeviceFailure::DeviceFailure;
+};
+
 /// Keeps an object that a device may still use although it has stopped answering. The object is never released, but
 /// stays reachable.
 void keepUntilExit(void* object);
@@ -49,12 +56,15 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   static std::vector<Place> places(std::string& refusal);
 
   /// Opens a device and tries its arithmetic; if it cannot be used, info().refusal says why.
-  OpenClDevice(const Place& place, DeviceNotice notice);
+  OpenClDevice(const Place& place, DeviceNotice notice, std::shared_ptr<const DeviceCache> cache);
   OpenClDevice(const OpenClDevice&) = delete;
   ~OpenClDevice() override;
 
   const DeviceInfo& info() const override { return mInfo; }
+  DeviceUse use() const override;
   std::unique_ptr<FieldEvaluator> evaluator(std::unique_ptr<FieldEvaluator> host, std::string& reason) const override;
+
+  bool evaluates(const FieldEvaluator& evaluator) const override;
 
   /// A compiled program.
   class Program {
@@ -66,6 +76,11 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     cl_program get() const { return mProgram; }
 
    private:
+    /// @return whether the cache had it, and the driver takes it
+    bool fromCache(const std::string& key, const std::string& options);
+    void build(const std::string& text, const std::string& options);
+    std::string binary() const;
+
     const OpenClDevice& mDevice;
     cl_program mProgram = nullptr;
   };
@@ -92,28 +107,45 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     Lane(const Lane&) = delete;
     ~Lane();
 
-    Memory made(std::size_t bytes) const;
+    /// @throw DeviceIsFull
+    Memory made(std::size_t bytes, cl_mem_flags flags = CL_MEM_READ_WRITE) const;
+    /// Memory that kernels only read.
     Memory uploaded(const void* data, std::size_t bytes) const;
-    /// Begins to write; read() waits for it. @a data must stay valid until then.
+    /// Begins to write. @a data must stay valid until wait().
     void write(cl_mem memory, const void* data, std::size_t bytes) const;
-    /// Reads, after everything that was begun earlier is done. @throw DeviceHangs
-    void read(cl_mem memory, void* data, std::size_t bytes) const;
+    /// Begins to read, after everything that was begun earlier. @a data must stay valid until wait().
+    void read(cl_mem memory, void* data, std::size_t bytes);
+    /// Waits for everything that was begun. @throw DeviceHangs  one of the kernels or copies took too long
+    void wait();
+    /// Forgets what was begun and has failed.
+    void forget() { release(mBegun); }
     template <class T>
     void setArgument(cl_uint number, const T& value) const {
       if (mDevice.mCl.SetKernelArg(mKernel, number, sizeof(T), &value) != CL_SUCCESS)
         throw DeviceFailure("its kernel refused argument " + std::to_string(number));
     }
-    /// Runs the kernel for the numbers 0 to @a count - 1, and for some more that fill up the last group.
-    void run(std::size_t count) const;
+    /// Begins to run the kernel for the numbers 0 to @a count - 1, and for some more that fill up the last group: as
+    /// several kernels that follow each other. On a fast device each gets more of the numbers, so none takes long.
+    void run(std::size_t count);
 
    private:
     void await(cl_event event) const;
+    /// Forgets what was begun, if a failure ends the call.
+    void release(std::vector<cl_event>& events) const;
 
     const OpenClDevice& mDevice;
     std::shared_ptr<const Program> mProgram;
     cl_command_queue mQueue = nullptr;
     cl_kernel mKernel = nullptr;
+    std::vector<cl_event> mBegun;             ///< kernels and copies in their order, which have not been waited for
+    std::size_t mTogether = kFewestTogether;  ///< the numbers of a kernel
+    std::size_t mCount = 0;                   ///< the numbers of the kernels that were begun
+    static constexpr std::size_t kFewestTogether = std::size_t{1} << 16, kMostTogether = std::size_t{1} << 20;
   };
+
+  /// Adds to the device's use.
+  void countPoints(std::size_t points) const;
+  void countEdges(std::size_t edges) const;
 
  private:
   /// Gives an object back to the driver by its own function, unless the device may still use it.
@@ -125,8 +157,16 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
       function(object);
   }
   std::string refusalOf();
+  template <class Change>
+  void countUse(const Change& change) const {
+    const std::lock_guard lock(mUseMutex);
+    change(mUse);
+  }
   template <class Real>
   bool hasArithmetic();
+  template <class Real>
+  bool hadArithmetic();
+  cl_int built(cl_program program, const std::string& options) const;
 
   DeviceInfo mInfo;
   const OpenClFunctions& mCl;
@@ -135,8 +175,13 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   std::size_t mMostBytes = 0;
   double mSeconds = 0;  ///< how long an answer may take
   DeviceNotice mNotice;
+  std::shared_ptr<const DeviceCache> mCache;
   mutable std::atomic<bool> mHangs =
       false;  ///< whether it stopped answering; nothing is released then, because that would wait for the driver
+  /// When anything that was begun on the device was last known to be done.
+  mutable std::atomic<std::chrono::steady_clock::duration> mLastAnswer{std::chrono::steady_clock::duration::min()};
+  mutable std::mutex mUseMutex;
+  mutable DeviceUse mUse;  ///< mUseMutex guards it
   mutable std::mutex mMutex;
   mutable std::map<std::string, std::shared_ptr<const Program>> mPrograms;  ///< by their options; mMutex guards them
 };

@@ -57,6 +57,8 @@ OpenClFunctions functionsFrom(const Find& find) {
   JULIA_FIND(CreateCommandQueue);
   JULIA_FIND(ReleaseCommandQueue);
   JULIA_FIND(CreateProgramWithSource);
+  JULIA_FIND(CreateProgramWithBinary);
+  JULIA_FIND(GetProgramInfo);
   JULIA_FIND(BuildProgram);
   JULIA_FIND(GetProgramBuildInfo);
   JULIA_FIND(ReleaseProgram);

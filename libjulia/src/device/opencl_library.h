@@ -18,6 +18,8 @@ struct OpenClFunctions {
   decltype(&::clCreateCommandQueue) CreateCommandQueue = nullptr;
   decltype(&::clReleaseCommandQueue) ReleaseCommandQueue = nullptr;
   decltype(&::clCreateProgramWithSource) CreateProgramWithSource = nullptr;
+  decltype(&::clCreateProgramWithBinary) CreateProgramWithBinary = nullptr;
+  decltype(&::clGetProgramInfo) GetProgramInfo = nullptr;
   decltype(&::clBuildProgram) BuildProgram = nullptr;
   decltype(&::clGetProgramBuildInfo) GetProgramBuildInfo = nullptr;
   decltype(&::clReleaseProgram) ReleaseProgram = nullptr;

@@ -172,45 +172,39 @@ double coordinateAt(__global const double* lattice, double index, int axis) {
   return (index * lattice[0] - lattice[2 + axis]) / lattice[1];
 }
 
-/// Finds where F changes its sign on @a count edges, in voxels from their beginnings, or -1 where the processor has to
-/// look at an edge: FieldEvaluator::findCrossings(), edge by edge.
-/// @param edges   six numbers of each: its beginning, the index there, F at its ends
+/// Whether F is not known at an end of an edge, but only its sign.
+bool isSignAlone(double field) { return !(field < STORED_FIELD_LIMIT && field > -STORED_FIELD_LIMIT); }
+
+/// Sets *field to F at a point, rounded as a stored value would be. Returns whether it is valid.
+bool storedFieldAt(Data data, const double* at, double* field) {
+  if (!fieldAt(data, at, field)) return false;
+  float stored = (float)*field;
+  if (stored == 0 && *field < 0) stored = -LEAST_STORED;
+  *field = (double)stored;
+  return true;
+}
+
+/// Finds where F changes its sign on an edge, in voxels from its beginning, or -1 where the processor has to look at it:
+/// FieldEvaluator::findCrossings().
+/// @param begin   its beginning
+/// @param index   of the beginning along the axis
+/// @param from    F at its beginning, as in CrossedEdge
 /// @param width   of a bracket that is narrow enough
 /// @param widest  that a bracket may be after the first round
-__kernel void searchEdges(__global const double* edges, __global const int* axes, __global double* found, uint count,
-                          __global const Real* numbers, __global const int* integers,
-                           __global const uint* places, __global const float* values,
-                          __global const double* lattice, double width, double widest) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  const Data data = {numbers, integers, places, values};
-  __global const double* edge = edges + 6 * (size_t)i;
-  const int axis = axes[i];
-  const double index = edge[3], from = edge[4], to = edge[5];
-  double at[3] = {edge[0], edge[1], edge[2]};
-  double low = 0, high = 1, atLow = damped(from), atHigh = damped(to), field;
-  if (!(from < STORED_FIELD_LIMIT && to < STORED_FIELD_LIMIT)) {
-    const bool atEnd = to >= STORED_FIELD_LIMIT;
-    if (atEnd) at[axis] = coordinateAt(lattice, index + 1, axis);
-    if (!fieldAt(data, at, &field)) {
-      found[i] = -1;
-      return;
-    }
-    // Rounded as a stored value would be.
-    float stored = (float)field;
-    if (stored == 0 && field < 0) stored = -LEAST_STORED;
-    if (atEnd)
-      atHigh = damped((double)stored);
-    else
-      atLow = damped((double)stored);
+double searchEdge(Data data, const double* begin, int axis, double index, double from, double to,
+                  __global const double* lattice, double width, double widest) {
+  double at[3] = {begin[0], begin[1], begin[2]};
+  double low = 0, high = 1, field;
+  if (isSignAlone(from) && !storedFieldAt(data, at, &from)) return -1;
+  if (isSignAlone(to)) {
+    at[axis] = coordinateAt(lattice, index + 1, axis);
+    if (!storedFieldAt(data, at, &to)) return -1;
   }
+  double atLow = damped(from), atHigh = damped(to);
   for (; high - low > width; widest = widest / 2) {
     const double next = nextPoint(low, high, atLow, atHigh, widest);
     at[axis] = coordinateAt(lattice, index + next, axis);
-    if (!fieldAt(data, at, &field)) {
-      found[i] = -1;
-      return;
-    }
+    if (!fieldAt(data, at, &field)) return -1;
     if ((field < 0) == (atLow < 0)) {
       low = next;
       atLow = damped(field);
@@ -219,7 +213,81 @@ __kernel void searchEdges(__global const double* edges, __global const int* axes
       atHigh = damped(field);
     }
   }
-  found[i] = low + (high - low) / 2;
+  return low + (high - low) / 2;
+}
+
+/// Searches @a count edges.
+/// @param edges  six numbers of each: its beginning, the index there, F at its ends
+__kernel void searchEdges(__global const double* edges, __global const int* axes, __global double* found, uint count,
+                          __global const Real* numbers, __global const int* integers,
+                          __global const uint* places, __global const float* values,
+                          __global const double* lattice, double width, double widest) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const Data data = {numbers, integers, places, values};
+  __global const double* edge = edges + 6 * (size_t)i;
+  const double begin[3] = {edge[0], edge[1], edge[2]};
+  found[i] = searchEdge(data, begin, axes[i], edge[3], edge[4], edge[5], lattice, width, widest);
+}
+
+/// Searches @a count edges between nodes of the lattice.
+/// @param edges  four numbers of each: its first node, and the axis
+/// @param ends   F at the ends of each; of no edge if only the signs are known
+/// @param known  whether F is known at any end
+__kernel void searchNodeEdges(__global const int* edges, __global const float* ends, __global double* found, uint count,
+                              __global const Real* numbers, __global const int* integers,
+                              __global const uint* places, __global const float* values,
+                              __global const double* lattice, double width, double widest, int known) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const Data data = {numbers, integers, places, values};
+  __global const int* edge = edges + 4 * (size_t)i;
+  double begin[3];
+  for (int axis = 0; axis < 3; ++axis) begin[axis] = coordinateAt(lattice, (double)edge[axis], axis);
+  const double from = known ? (double)ends[2 * (size_t)i] : (double)STORED_FIELD_LIMIT;
+  const double to = known ? (double)ends[2 * (size_t)i + 1] : (double)STORED_FIELD_LIMIT;
+  found[i] = searchEdge(data, begin, edge[3], (double)edge[edge[3]], from, to, lattice, width, widest);
+}
+
+/// Evaluates the signs of F at the nodes of blocks, for groups of the 64 nodes of one x.
+/// @param blocks   four numbers of each: its first node, and SignBlock::wanted
+/// @param inside   receives in bit z of byte 64 i + 8 x + y whether F < 0 at that node of block i
+/// @param unusual  receives the same for nodes that the processor has to look at
+/// @param count    of all nodes
+__kernel __attribute__((reqd_work_group_size(64, 1, 1)))
+void findSigns(__global const int* blocks, __global uchar* inside, __global uchar* unusual, uint count,
+               __global const Real* numbers, __global const int* integers,
+               __global const uint* places, __global const float* values,
+               __global const double* lattice) {
+  __local uchar flags[64];
+  const size_t i = get_global_id(0);
+  const uint own = (uint)get_local_id(0);
+  const int node = (int)(i & 511), x = node >> 6, y = node >> 3 & 7, z = node & 7;
+  uchar flag = 0;
+  if (i < count) {
+    __global const int* block = blocks + 4 * (i >> 9);
+    if (block[3] >> ((x >> 2) * 4 + (y >> 2) * 2 + (z >> 2)) & 1) {
+      const Data data = {numbers, integers, places, values};
+      const double at[3] = {coordinateAt(lattice, (double)block[0] + (double)x, 0),
+                            coordinateAt(lattice, (double)block[1] + (double)y, 1),
+                            coordinateAt(lattice, (double)block[2] + (double)z, 2)};
+      double field;
+      flag = fieldAt(data, at, &field) ? (field < 0 ? 1 : 0) : 2;
+    }
+  }
+  flags[own] = flag;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  // Each of the first eight items packs a row along z.
+  if (own >= 8 || i >= count) return;
+  uint rowInside = 0, rowUnusual = 0;
+  for (uint k = 0; k < 8; ++k) {
+    const uint of = flags[8 * own + k];
+    rowInside |= (of & 1) << k;
+    rowUnusual |= (of >> 1) << k;
+  }
+  const size_t row = ((i - own) >> 3) + own;
+  inside[row] = (uchar)rowInside;
+  unusual[row] = (uchar)rowUnusual;
 }
 #endif
 

@@ -42,15 +42,26 @@ struct BlockEvaluator::Scratch {
   std::vector<std::size_t> which;
 };
 
+/// Whether the evaluator of F makes signs of many blocks at once, and signs are all that is needed.
+bool BlockEvaluator::signsAreEnough() const {
+  return !mOptions.keepIterations && !mOptions.everyValue && mSource.evaluator.preferredNodes() > 0;
+}
+
+std::size_t BlockEvaluator::preferredBlocks() const {
+  return signsAreEnough() ? mSource.evaluator.preferredNodes() / Leaf::SIZE : 0;
+}
+
 std::vector<EvaluatedBlock> BlockEvaluator::evaluate(std::span<const Coord> origins, Monitor& monitor) {
+  if (signsAreEnough()) return evaluateSigns(origins, monitor);
   std::vector<EvaluatedBlock> blocks(origins.size());
-  tbb::enumerable_thread_specific<Scratch> scratch(
-      std::max<std::size_t>(mSource.evaluator.preferredBatch(), Leaf::SIZE));
-  constexpr std::size_t kTogether = 32;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, origins.size(), kTogether), [&](const auto& range) {
-    for (std::size_t first = range.begin(); first < range.end(); first += kTogether) {
+  const std::size_t batch = std::max<std::size_t>(mSource.evaluator.preferredBatch(), Leaf::SIZE);
+  tbb::enumerable_thread_specific<Scratch> scratch(batch);
+  constexpr std::size_t kFewest = 32;
+  const std::size_t together = std::max(kFewest, batch / Leaf::SIZE);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, origins.size(), together), [&](const auto& range) {
+    for (std::size_t first = range.begin(); first < range.end(); first += together) {
       if (monitor.cancelled()) return;
-      const std::size_t count = std::min(kTogether, range.end() - first);
+      const std::size_t count = std::min(together, range.end() - first);
       evaluatePart(origins.subspan(first, count), std::span(blocks).subspan(first, count), scratch.local());
       monitor.advance(count);
     }
@@ -58,7 +69,79 @@ std::vector<EvaluatedBlock> BlockEvaluator::evaluate(std::span<const Coord> orig
   return blocks;
 }
 
-void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch) {
+/// Evaluates all blocks in one call of the evaluator; the proofs before it, and the leaves, are made in threads.
+std::vector<EvaluatedBlock> BlockEvaluator::evaluateSigns(std::span<const Coord> origins, Monitor& monitor) {
+  constexpr std::size_t kTogether = 32;
+  const auto inParts = [&](std::size_t size, const auto& body) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, size, kTogether), [&](const auto& range) {
+      for (std::size_t first = range.begin(); first < range.end(); first += kTogether)
+        if (!monitor.cancelled()) body(first, std::min(kTogether, range.end() - first));
+    });
+  };
+  std::vector<EvaluatedBlock> blocks(origins.size());
+  std::vector<julia::SignBlock> all(origins.size());
+  tbb::enumerable_thread_specific<Scratch> scratch(std::size_t{0});
+  inParts(origins.size(), [&](std::size_t first, std::size_t count) {
+    Scratch& own = scratch.local();
+    const auto some = std::span(blocks).subspan(first, count);
+    decide(origins.subspan(first, count), some, own);
+    for (std::size_t i = 0; i < own.undecided.size(); ++i)
+      beginSigns(own.undecided[i], std::span<const julia::Decision>(own.decisions).subspan(8 * i, 8),
+                 some[own.which[i]], all[first + own.which[i]]);
+  });
+  if (monitor.cancelled()) return std::vector<EvaluatedBlock>(origins.size());
+  std::vector<std::size_t> which;
+  std::vector<julia::SignBlock> signs;
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    if (blocks[i].field) {
+      which.push_back(i);
+      signs.push_back(all[i]);
+    }
+  mSource.evaluator.evaluateSigns(mSource.lattice(mOptions.voxelSize), signs);
+  inParts(signs.size(), [&](std::size_t first, std::size_t count) {
+    std::uint64_t evaluated = 0;
+    for (std::size_t i = first; i < first + count; ++i) {
+      Leaf& leaf = *blocks[which[i]].field;
+      float* const values = leaf.buffer().data();
+      constexpr auto kSign = static_cast<float>(julia::kFieldLimit);
+      for (auto node = leaf.cbeginValueOn(); node; ++node) {
+        const Index at = node.pos();
+        values[at] = signs[i].inside[at / 64] >> at % 64 & 1 ? -kSign : kSign;
+        ++evaluated;
+      }
+    }
+    mEvaluated += evaluated;
+  });
+  monitor.advance(origins.size());
+  return blocks;
+}
+
+/// Creates the block's leaf, whose active nodes are those to evaluate.
+void BlockEvaluator::beginSigns(const Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
+                                julia::SignBlock& signs) const {
+  block.field = std::make_unique<Leaf>(origin, kFieldOutside, false);
+  signs.origin = {origin[0], origin[1], origin[2]};
+  signs.wanted = 0;
+  const bool within = mOptions.window.isInside(block.field->getNodeBoundingBox());
+  constexpr Index kHalf = kBlock / 2;
+  float* const values = block.field->buffer().data();
+  Leaf::NodeMaskType active;
+  for (Index first = 0; first < Leaf::SIZE; first += kHalf) {
+    const Index x = first >> 2 * kBlockLog2, y = first >> kBlockLog2 & (kBlock - 1), z = first & (kBlock - 1);
+    const Index part = x / kHalf * 4 + y / kHalf * 2 + z / kHalf;
+    if (parts[part] == julia::Decision::Inside) std::fill_n(values + first, kHalf, -kFieldOutside);
+    if (parts[part] != julia::Decision::Undecided) continue;
+    for (Index k = 0; k < kHalf; ++k) {
+      if (!within && !mOptions.window.isInside(block.field->offsetToGlobalCoord(first + k))) continue;
+      active.setOn(first + k);
+      signs.wanted |= static_cast<std::uint8_t>(1u << part);
+    }
+  }
+  block.field->setValueMask(active);
+}
+
+/// Sets the decisions about blocks, and finds those that stay undecided, with the decisions about their eighths.
+void BlockEvaluator::decide(std::span<const Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch) const {
   constexpr std::size_t kParts = 8;
   scratch.undecided.clear();
   scratch.which.clear();
@@ -81,6 +164,11 @@ void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<Eval
   } else {
     scratch.decisions.assign(kParts * scratch.undecided.size(), julia::Decision::Undecided);
   }
+}
+
+void BlockEvaluator::evaluatePart(std::span<const Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch) {
+  constexpr std::size_t kParts = 8;
+  decide(origins, blocks, scratch);
   for (std::size_t i = 0; i < scratch.undecided.size(); ++i) {
     begin(scratch.undecided[i], std::span<const julia::Decision>(scratch.decisions).subspan(kParts * i, kParts),
           blocks[scratch.which[i]], scratch);

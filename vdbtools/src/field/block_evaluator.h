@@ -21,7 +21,7 @@ inline constexpr float kFieldOutside = 1;
 
 struct EvaluatedBlock {
   using Leaf = openvdb::FloatTree::LeafNodeType;
-  /// Active nodes were evaluated; at some of them julia::kFieldLimit means only that F >= 0, unless
+  /// Active nodes were evaluated; at some of them julia::kFieldLimit tells by its sign only that of F, unless
   /// Options::everyValue. Empty: F has one sign at all nodes of the block and at those next to it.
   std::unique_ptr<Leaf> field;
   std::unique_ptr<Leaf> iterations;  ///< if requested
@@ -49,6 +49,9 @@ class BlockEvaluator {
 
   BlockEvaluator(const FieldSource& source, const Options& options) : mSource(source), mOptions(options) {}
 
+  /// How many blocks evaluate() should get at a time; 0 if their number does not matter.
+  std::size_t preferredBlocks() const;
+
   /// Evaluates blocks in threads. Ends early, with blocks left empty, if the monitor is cancelled.
   /// @param origins  first nodes of the blocks
   std::vector<EvaluatedBlock> evaluate(std::span<const openvdb::Coord> origins, Monitor& monitor);
@@ -57,6 +60,11 @@ class BlockEvaluator {
 
  private:
   struct Scratch;
+  std::vector<EvaluatedBlock> evaluateSigns(std::span<const openvdb::Coord> origins, Monitor& monitor);
+  void beginSigns(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
+                  julia::SignBlock& signs) const;
+  void decide(std::span<const openvdb::Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch) const;
+  bool signsAreEnough() const;
   void evaluatePart(std::span<const openvdb::Coord> origins, std::span<EvaluatedBlock> blocks, Scratch& scratch);
   void begin(const openvdb::Coord& origin, std::span<const julia::Decision> parts, EvaluatedBlock& block,
              Scratch& scratch) const;

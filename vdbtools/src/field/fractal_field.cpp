@@ -8,6 +8,7 @@
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
 #include "field/crumb_filter.h"
+#include "field/evaluated_layers.h"
 #include "field/undecided_blocks.h"
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/text.h"
@@ -405,13 +406,13 @@ FractalField evaluateField(const FieldPlan& plan, const FieldSource& source, con
                                     .everyValue = options.everyNode,
                                     .proofs = proofs});
   monitor.begin(PhaseKind::Field, layers.blockCount());
-  while (const auto origins = layers.next()) {
-    for (EvaluatedBlock& block : evaluator.evaluate(*origins, monitor)) {
-      if (block.field) result.field->tree().addLeaf(block.field.release());
-      if (block.iterations) result.iterations->tree().addLeaf(block.iterations.release());
-    }
-    monitor.throwIfCancelled();
-  }
+  EvaluatedLayers evaluated(layers, evaluator, monitor);
+  for (auto some = evaluated.next(); !some.empty(); some = evaluated.next())
+    for (EvaluatedLayers::Layer& layer : some)
+      for (EvaluatedBlock& block : layer) {
+        if (block.field) result.field->tree().addLeaf(block.field.release());
+        if (block.iterations) result.iterations->tree().addLeaf(block.iterations.release());
+      }
   fillTiles(result);
   dropCrumbs(result, plan, source, monitor);
   result.evaluatedNodes = evaluator.evaluatedNodes();

@@ -11,18 +11,25 @@ std::vector<openvdb::Vec3d> searchEdges(const std::vector<LatticeEdge>& edges, d
     return index * voxelSize;
   };
   const FractalSpace& space = source.space;
-  const julia::SearchLattice lattice{.voxelSize = voxelSize,
-                                     .centre = {space.centre[0], space.centre[1], space.centre[2]},
-                                     .scale = space.scale,
-                                     .tolerance = tolerance};
-  std::vector<julia::CrossedEdge> crossed;
-  crossed.reserve(edges.size());
-  for (const LatticeEdge& edge : edges)
-    if (!edge.cut)
-      crossed.push_back({space.toFractal(worldAt(edge, 0)), edge.axis, static_cast<double>(edge.begin[edge.axis]),
-                         edge.from, edge.to});
-  std::vector<double> found(crossed.size());
-  source.evaluator.findCrossings(crossed, lattice, found);
+  const julia::SearchLattice lattice = source.lattice(voxelSize, tolerance);
+  std::vector<double> found;
+  if (source.evaluator.preferredNodes() > 0) {
+    std::vector<julia::NodeEdge> crossed;
+    crossed.reserve(edges.size());
+    for (const LatticeEdge& edge : edges)
+      if (!edge.cut) crossed.push_back({{edge.begin[0], edge.begin[1], edge.begin[2]}, edge.axis, edge.from, edge.to});
+    found.resize(crossed.size());
+    source.evaluator.findNodeCrossings(crossed, lattice, found);
+  } else {
+    std::vector<julia::CrossedEdge> crossed;
+    crossed.reserve(edges.size());
+    for (const LatticeEdge& edge : edges)
+      if (!edge.cut)
+        crossed.push_back({space.toFractal(worldAt(edge, 0)), edge.axis, static_cast<double>(edge.begin[edge.axis]),
+                           edge.from, edge.to});
+    found.resize(crossed.size());
+    source.evaluator.findCrossings(crossed, lattice, found);
+  }
   std::vector<openvdb::Vec3d> positions;
   positions.reserve(edges.size());
   auto place = found.begin();

@@ -12,8 +12,9 @@ namespace vdbtools {
 
 struct LatticeEdge {
   openvdb::Coord begin;
-  int axis;        ///< the edge runs from begin one voxel along this axis
-  float from, to;  ///< F at its two ends: one below 0, the other not, or julia::kFieldLimit if nothing else is known
+  int axis;  ///< the edge runs from begin one voxel along this axis
+  float from,
+      to;  ///< F at its two ends: one below 0, the other not, or julia::kFieldLimit if no more is known than its sign
   std::optional<double> cut{};  ///< of an edge that leaves the domain, beyond which there is no F: where, from 0 to 1
 };
 

@@ -5,6 +5,7 @@
 #include "field/block_evaluator.h"
 #include "field/block_layers.h"
 #include "field/crumb_filter.h"
+#include "field/evaluated_layers.h"
 #include "field/undecided_blocks.h"
 #include "surface/band_maker.h"
 #include "surface/surface_extractor.h"
@@ -82,7 +83,7 @@ MeshCounts extract(const FractalField& field, const FieldSource& source, const E
   for (auto first = leaves.begin(); first != leaves.end();) {
     const auto last =
         std::find_if(first, leaves.end(), [&](const Leaf* l) { return l->origin()[0] != (*first)->origin()[0]; });
-    extractor.add({first, last}, nullptr);
+    extractor.add({{{first, last}, nullptr}});
     first = last;
   }
   extractor.finish();
@@ -109,26 +110,31 @@ MeshCounts streamLayers(const FieldPlan& plan, const FieldSource& source, const 
                                     .proofs = worthwhileProofs(undecided, plan, source)});
   std::optional<CrumbFilter> crumbs;
   if (plan.crumbs) crumbs.emplace(plan, source, monitor);
-  const auto extract = [&](std::optional<CrumbFilter::Layer> layer) {
-    if (layer) extractor.add({layer->leaves.begin(), layer->leaves.end()}, std::move(layer->owner));
+  std::vector<SurfaceExtractor::Leaves> ready;
+  const auto take = [&](std::optional<CrumbFilter::Layer> layer) {
+    if (layer) ready.push_back({{layer->leaves.begin(), layer->leaves.end()}, std::move(layer->owner)});
   };
   // Every block is evaluated first and searched later.
   monitor.begin(PhaseKind::Surface, 2 * layers.blockCount());
-  while (const auto origins = layers.next()) {
-    const auto blocks = std::make_shared<std::vector<EvaluatedBlock>>(evaluator.evaluate(*origins, monitor));
-    monitor.throwIfCancelled();
-    CrumbFilter::Layer layer{.owner = blocks};
-    layer.leaves.reserve(blocks->size());
-    for (const EvaluatedBlock& block : *blocks)
-      if (block.field) layer.leaves.push_back(block.field.get());
-    // Blocks that are proved to have one sign need no search.
-    monitor.advance(blocks->size() - layer.leaves.size());
-    if (crumbs)
-      extract(crumbs->add(std::move(layer)));
-    else
-      extract(std::move(layer));
+  EvaluatedLayers evaluated(layers, evaluator, monitor);
+  for (auto some = evaluated.next(); !some.empty(); some = evaluated.next()) {
+    for (EvaluatedLayers::Layer& each : some) {
+      const auto blocks = std::make_shared<EvaluatedLayers::Layer>(std::move(each));
+      CrumbFilter::Layer layer{.owner = blocks};
+      layer.leaves.reserve(blocks->size());
+      for (const EvaluatedBlock& block : *blocks)
+        if (block.field) layer.leaves.push_back(block.field.get());
+      // Blocks that are proved to have one sign need no search.
+      monitor.advance(blocks->size() - layer.leaves.size());
+      if (crumbs)
+        take(crumbs->add(std::move(layer)));
+      else
+        take(std::move(layer));
+    }
+    extractor.add(std::exchange(ready, {}));
   }
-  if (crumbs) extract(crumbs->finish());
+  if (crumbs) take(crumbs->finish());
+  extractor.add(std::exchange(ready, {}));
   extractor.finish();
   MeshCounts counts{extractor.points(), extractor.triangles(), evaluator.evaluatedNodes()};
   if (crumbs) counts.crumbs = crumbs->report();

@@ -104,8 +104,20 @@ SurfaceExtractor::SurfaceExtractor(const FieldSource& source, const Options& opt
 
 SurfaceExtractor::~SurfaceExtractor() = default;
 
-void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void> owner) {
-  if (leaves.empty()) return;
+void SurfaceExtractor::add(std::vector<Leaves> layers) {
+  std::size_t held = 0;
+  for (Leaves& layer : layers) {
+    if (layer.leaves.empty()) continue;
+    hold(std::move(layer.leaves), std::move(layer.owner));
+    ++held;
+  }
+  if (held == 0) return;
+  findVertices(mLayers.size() - 1);
+  // The mesh is passed on in the order in which layers that arrive one by one would make it.
+  for (; held > 0; --held) advance(mLayers.size() - held, false);
+}
+
+void SurfaceExtractor::hold(std::vector<const Leaf*> leaves, std::shared_ptr<void> owner) {
   auto layer = std::make_unique<Layer>();
   layer->x = leaves.front()->origin()[0];
   layer->inside.resize(leaves.size());
@@ -128,31 +140,44 @@ void SurfaceExtractor::add(std::vector<const Leaf*> leaves, std::shared_ptr<void
   layer->leaves = std::move(leaves);
   layer->owner = std::move(owner);
   mLayers.push_back(std::move(layer));
-  advance(mLayers.size() - 1);
 }
 
-void SurfaceExtractor::finish() { advance(mLayers.size()); }
+void SurfaceExtractor::finish() {
+  findVertices(mLayers.size());
+  advance(mLayers.size(), true);
+}
 
-/// Advances every layer as far as possible, given that the next layer is known for each of the first @a known layers.
-void SurfaceExtractor::advance(std::size_t known) {
+/// The next layer after number @a i, if it is adjacent.
+SurfaceExtractor::Layer* SurfaceExtractor::behind(std::size_t i) const {
+  return i + 1 < mLayers.size() && mLayers[i + 1]->x == mLayers[i]->x + kBlock ? mLayers[i + 1].get() : nullptr;
+}
+
+/// Finds the vertices of the first @a known layers, whose next layers are known.
+void SurfaceExtractor::findVertices(std::size_t known) {
+  std::vector<Layer*> added;
+  for (std::size_t i = 0; i < known; ++i) {
+    if (mLayers[i]->stage != Layer::Stage::Added) continue;
+    findEdges(*mLayers[i], behind(i));
+    added.push_back(mLayers[i].get());
+  }
+  placeVertices(added);
+}
+
+/// Advances every layer as far as possible from the vertices of the first @a known layers.
+/// @param finished  whether no layer comes after these
+void SurfaceExtractor::advance(std::size_t known, bool finished) {
   using Stage = Layer::Stage;
-  const bool finished = known == mLayers.size();
-  const auto behind = [&](std::size_t i) -> Layer* {
-    return i + 1 < mLayers.size() && mLayers[i + 1]->x == mLayers[i]->x + kBlock ? mLayers[i + 1].get() : nullptr;
-  };
-  for (std::size_t i = 0; i < known; ++i)
-    if (mLayers[i]->stage == Stage::Added) findVertices(*mLayers[i], behind(i));
   for (std::size_t i = 0; i < known; ++i) {
     Layer* next = behind(i);
-    if (mLayers[i]->stage != Stage::HasVertices || (next && next->stage == Stage::Added)) continue;
+    if (mLayers[i]->stage != Stage::HasVertices || (next && i + 1 >= known)) continue;
     findTriangles(*mLayers[i], next);
     emitPoints(*mLayers[i]);
     mLayers[i]->owner.reset();
   }
-  while (!mLayers.empty() && mLayers[0]->stage == Stage::HasTriangles) {
+  for (; !mLayers.empty() && mLayers[0]->stage == Stage::HasTriangles; --known) {
     const Layer* next = behind(0);
     // Triangles use the next layer's points, which must be passed on first.
-    if (!finished && mLayers.size() == 1) return;
+    if (!finished && known == 0) return;
     if (next && next->stage != Stage::HasTriangles) return;
     emitTriangles(*mLayers[0]);
     if (mOptions.band) addToBand(*mLayers[0], next);
@@ -185,8 +210,8 @@ SurfaceExtractor::Neighbours SurfaceExtractor::neighbours(std::size_t leaf, cons
   return result;
 }
 
-/// The vertices on the crossing edges that begin in a layer.
-void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
+/// The crossing edges that begin in a layer, with a vertex on each.
+void SurfaceExtractor::findEdges(Layer& layer, const Layer* next) {
   layer.vertices.resize(layer.leaves.size());
   layer.findNeighbours(next);
   inParallel(layer.leaves.size(), 16, mMonitor, [&](std::size_t begin, std::size_t end) {
@@ -194,9 +219,6 @@ void SurfaceExtractor::findVertices(Layer& layer, const Layer* next) {
       if (!isOneSided(i, layer, next)) layer.vertices[i] = crossingEdges(*layer.leaves[i], neighbours(i, layer, next));
   });
   countVertices(layer);
-  placeVertices(layer);
-  mMonitor.advance(layer.leaves.size());
-  layer.stage = Layer::Stage::HasVertices;
 }
 
 /// Where an edge that leaves the domain is cut, voxels from its first node.
@@ -261,28 +283,59 @@ void SurfaceExtractor::countVertices(Layer& layer) {
   if (mOptions.normals) layer.normals.assign(count, Vec3d(0));
 }
 
-/// Searches the edges of a layer for its vertices, and discards the edges.
-void SurfaceExtractor::placeVertices(Layer& layer) const {
-  // A leaf that the surface crosses completely has at least this many edges.
-  constexpr std::size_t kEdgesOfLeaf = kBlock * kBlock;
-  const std::size_t together = std::max<std::size_t>(1, mSource.evaluator.preferredBatch() / kEdgesOfLeaf);
-  inParallel(layer.leaves.size(), together, mMonitor, [&](std::size_t begin, std::size_t end) {
-    std::vector<LatticeEdge> edges;
+/// Searches the edges of layers for their vertices, and discards the edges.
+void SurfaceExtractor::placeVertices(std::span<Layer* const> layers) const {
+  /// The leaves of a layer whose edges are searched together.
+  struct Part {
+    Layer* layer;
+    std::size_t begin, end;
+  };
+  const auto take = [this](const Part& part, std::vector<LatticeEdge>& edges) {
+    const std::size_t before = edges.size();
     std::size_t first = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!layer.vertices[i]) continue;
-      if (edges.empty()) first = layer.vertices[i]->first;
-      edges.insert(edges.end(), layer.vertices[i]->edges.begin(), layer.vertices[i]->edges.end());
-      layer.vertices[i]->edges = {};
+    for (std::size_t i = part.begin; i < part.end; ++i) {
+      LeafVertices* const vertices = part.layer->vertices[i].get();
+      if (!vertices) continue;
+      if (edges.size() == before) first = vertices->first;
+      edges.insert(edges.end(), vertices->edges.begin(), vertices->edges.end());
+      vertices->edges = {};
     }
     if (mPlaced)
-      std::transform(edges.begin(), edges.end(), layer.places.begin() + static_cast<std::ptrdiff_t>(first),
-                     [](const LatticeEdge& edge) {
+      std::transform(edges.begin() + static_cast<std::ptrdiff_t>(before), edges.end(),
+                     part.layer->places.begin() + static_cast<std::ptrdiff_t>(first), [](const LatticeEdge& edge) {
                        return EdgePlace{edge.begin, static_cast<std::uint8_t>(edge.axis), edge.cut.has_value()};
                      });
-    const std::vector<Vec3d> found = searchEdges(edges, mOptions.voxelSize, mSource, mOptions.extract.tolerance);
-    std::copy(found.begin(), found.end(), layer.positions.begin() + static_cast<std::ptrdiff_t>(first));
-  });
+    return first;
+  };
+  const auto search = [this](const std::vector<LatticeEdge>& edges) {
+    return searchEdges(edges, mOptions.voxelSize, mSource, mOptions.extract.tolerance);
+  };
+  if (mSource.evaluator.preferredNodes() > 0) {
+    // A device gets them all at once.
+    std::vector<LatticeEdge> edges;
+    for (Layer* const layer : layers) take({layer, 0, layer->leaves.size()}, edges);
+    const std::vector<Vec3d> found = edges.empty() ? std::vector<Vec3d>() : search(edges);
+    auto first = found.begin();
+    for (Layer* const layer : layers) {
+      std::copy_n(first, layer->positions.size(), layer->positions.begin());
+      first += static_cast<std::ptrdiff_t>(layer->positions.size());
+    }
+  } else {
+    // A leaf that the surface crosses completely has at least this many edges.
+    constexpr std::size_t kEdgesOfLeaf = kBlock * kBlock;
+    const std::size_t together = std::max<std::size_t>(1, mSource.evaluator.preferredBatch() / kEdgesOfLeaf);
+    for (Layer* const layer : layers)
+      inParallel(layer->leaves.size(), together, mMonitor, [&](std::size_t begin, std::size_t end) {
+        std::vector<LatticeEdge> edges;
+        const std::size_t first = take({layer, begin, end}, edges);
+        const std::vector<Vec3d> found = search(edges);
+        std::copy(found.begin(), found.end(), layer->positions.begin() + static_cast<std::ptrdiff_t>(first));
+      });
+  }
+  for (Layer* const layer : layers) {
+    mMonitor.advance(layer->leaves.size());
+    layer->stage = Layer::Stage::HasVertices;
+  }
 }
 
 /// The triangles of the cells that begin at a leaf's nodes.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file surface_extractor.h
-/// Makes the mesh of F while its blocks arrive in the order of x. At most four layers of blocks are held at a time.
+/// Makes the mesh of F while its blocks arrive in the order of x. If they arrive layer by layer,
+/// at most four layers of blocks are held at a time.
 #pragma once
 
 #include "field/leaf_signs.h"
@@ -46,10 +47,14 @@ class SurfaceExtractor {
   SurfaceExtractor(const SurfaceExtractor&) = delete;
   SurfaceExtractor& operator=(const SurfaceExtractor&) = delete;
 
-  /// Adds the next layer: leaves of one x, ordered by y, then z. Layers come in the order of x; those without leaves
-  /// are left out.
-  /// @param owner  keeps the leaves until they are no longer needed
-  void add(std::vector<const Leaf*> leaves, std::shared_ptr<void> owner);
+  /// The leaves of one x, ordered by y, then z.
+  struct Leaves {
+    std::vector<const Leaf*> leaves;
+    std::shared_ptr<void> owner;  ///< keeps the leaves until they are no longer needed
+  };
+  /// Adds the next layers. Layers come in the order of x; those without leaves are left out. If several are added at
+  /// once, as many are held, and their edges are searched together.
+  void add(std::vector<Leaves> layers);
 
   /// Processes the rest; no layer may be added afterwards.
   void finish();
@@ -68,20 +73,23 @@ class SurfaceExtractor {
     std::array<const Leaf*, 8> leaves{};
     LeafSigns::Neighbours inside{};
   };
+  void hold(std::vector<const Leaf*> leaves, std::shared_ptr<void> owner);
   static bool isOneSided(std::size_t leaf, const Layer& layer, const Layer* next);
   static Neighbours neighbours(std::size_t leaf, const Layer& layer, const Layer* next);
-  void findVertices(Layer& layer, const Layer* next);
+  void findEdges(Layer& layer, const Layer* next);
   double capPlace(const openvdb::Coord& node, int axis) const;
   std::unique_ptr<LeafVertices> crossingEdges(const Leaf& leaf, const Neighbours& around) const;
   void countVertices(Layer& layer);
-  void placeVertices(Layer& layer) const;
+  void placeVertices(std::span<Layer* const> layers) const;
   void findTriangles(Layer& layer, Layer* next);
   void walk(std::size_t leaf, Layer& layer, const Layer* next) const;
   void addNormals(Layer& layer, Layer* next) const;
   void emitPoints(Layer& layer);
   void emitTriangles(Layer& layer);
   void addToBand(const Layer& layer, const Layer* next);
-  void advance(std::size_t known);
+  Layer* behind(std::size_t i) const;
+  void findVertices(std::size_t known);
+  void advance(std::size_t known, bool finished);
 
   FieldSource mSource;
   Options mOptions;

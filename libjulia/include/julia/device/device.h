@@ -17,6 +17,7 @@
 #include "julia/evaluator.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -32,11 +33,26 @@ struct DeviceInfo {
   std::string refusal;   ///< why it is not used; empty if it is
 };
 
+/// What a device has done so far, for all fields together.
+struct DeviceUse {
+  std::uint64_t calls = 0;       ///< how often the host waited for results
+  std::uint64_t kernels = 0;     ///< how many kernels were started; those of one call follow each other without a wait
+  std::uint64_t points = 0;      ///< at which F was evaluated, other than in searches
+  std::uint64_t edges = 0;       ///< that were searched
+  std::uint64_t mostPoints = 0;  ///< of a call
+  std::uint64_t mostEdges = 0;   ///< of a call
+  std::uint64_t bytesTo = 0;     ///< that were copied to the device, other than those of fields
+  std::uint64_t bytesOfFields = 0;  ///< of the fields' own numbers, which are copied once: roots, waves, bricks
+  std::uint64_t bytesFrom = 0;      ///< that were copied from it
+  double waited = 0;                ///< seconds that threads waited for results, added up
+};
+
 /// A device in use. Threads may share it.
 class Device {
  public:
   virtual ~Device() = default;
   virtual const DeviceInfo& info() const = 0;
+  virtual DeviceUse use() const = 0;
 
   /// An evaluator that evaluates on the device what @a host evaluates, with the same bits, and leaves the rest to it:
   /// proofs, versors, orbit traps. If the device fails, @a host evaluates everything from then on, and notify() is
@@ -44,6 +60,9 @@ class Device {
   /// @param reason  receives why the device cannot evaluate this field, if it cannot; @a host is returned then
   virtual std::unique_ptr<FieldEvaluator> evaluator(std::unique_ptr<FieldEvaluator> host,
                                                     std::string& reason) const = 0;
+
+  /// Whether evaluator() made this, and its device has not failed.
+  virtual bool evaluates(const FieldEvaluator& evaluator) const = 0;
 
   /// Calls the DeviceNotice with which the device was opened.
   virtual void notify(const std::string& sentence) const = 0;
@@ -53,10 +72,28 @@ class Device {
 /// call it at once.
 using DeviceNotice = std::function<void(const std::string&)>;
 
+/// Keeps what devices compile, and which of them passed the test of its arithmetic, for later processes. Several
+/// threads may call it at once.
+class DeviceCache {
+ public:
+  virtual ~DeviceCache() = default;
+  /// What was kept under a key, which tells devices, drivers, versions and texts apart; empty if there is nothing.
+  virtual std::string find(const std::string& key) const = 0;
+  virtual void keep(const std::string& key, const std::string& data) const = 0;
+};
+
 /// Opens all devices in OpenCL's order, platform by platform, and tests the arithmetic of each. A device whose info has
 /// a refusal cannot be used.
 /// @param refusal  receives the reason if there is no device at all
-std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal);
+/// @param cache    may be null; with it, a test that was passed is not repeated
+std::vector<std::shared_ptr<const Device>> openDevices(const DeviceNotice& notice, std::string& refusal,
+                                                       const std::shared_ptr<const DeviceCache>& cache = nullptr);
+
+/// Several devices as one: they share the points, the nodes and the edges of each call. A device that fails leaves its
+/// part to the processor, and the others share the later calls. A field that one of them cannot evaluate, the others
+/// do.
+/// @param devices  one at least, none of them refused
+std::shared_ptr<const Device> joinedDevices(std::vector<std::shared_ptr<const Device>> devices);
 
 /// A place where drivers of OpenCL were looked for (a loader, a file or a folder), and what was found there, in words.
 struct DriverPlace {

@@ -49,7 +49,7 @@ struct FieldPlan {
 
 struct FractalField {
   /// F. Active nodes were evaluated; all others hold a constant of the right sign, which is positive outside the
-  /// domain. Unless every value was requested, a node is julia::kFieldLimit if nothing but F >= 0 is known.
+  /// domain. Unless every value was requested, a node is julia::kFieldLimit, with the sign of F, if no more is known.
   openvdb::FloatGrid::Ptr field;
   /// The steps that each evaluated node took; empty unless asked for.
   openvdb::FloatGrid::Ptr iterations;
@@ -65,6 +65,14 @@ struct FractalField {
 struct FieldSource {
   const julia::FieldEvaluator& evaluator;  ///< takes points of fractal space
   FractalSpace space;
+
+  /// The nodes of a lattice in fractal space, as toFractal() places them.
+  julia::SearchLattice lattice(double voxelSize, double tolerance = 1e-3) const {
+    return {.voxelSize = voxelSize,
+            .centre = {space.centre[0], space.centre[1], space.centre[2]},
+            .scale = space.scale,
+            .tolerance = tolerance};
+  }
 
   /// Returns the versors at points of fractal space as vectors: their imaginary parts ([SK23] Fig. 2), or directions in
   /// R^3 ([ZB25]).
