@@ -25,6 +25,14 @@ std::set<std::string> wordsOf(const Recipe& recipe) {
   return words;
 }
 
+/// The name of the vector of which an attribute may be a part: rest of rest_x or restx.
+std::string vectorOf(std::string attribute) {
+  if (attribute.empty() || attribute.back() < 'x' || attribute.back() > 'z') return {};
+  attribute.pop_back();
+  if (attribute.ends_with('_')) attribute.pop_back();
+  return attribute;
+}
+
 std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
 }
@@ -45,7 +53,8 @@ std::vector<std::string> unusedParts(const TargetParts& parts, const Recipe& rec
   std::string attributes;
   bool usesMaterials = false, usesGroups = false;
   for (const std::string& attribute : parts.attributes) {
-    const bool isUsed = used.contains(attribute);
+    const std::string vector = vectorOf(attribute);
+    const bool isUsed = used.contains(attribute) || (!vector.empty() && used.contains(vector));
     if (attribute.starts_with("material_") && parts.materials > 0)
       usesMaterials = usesMaterials || isUsed;
     else if (attribute.starts_with("group_") && parts.groups > 0)
