@@ -152,6 +152,14 @@ void watchForCrashes() {
   }
 }
 
+const char* describe(int signal) noexcept {
+#ifdef __GLIBC__
+  return sigdescr_np(signal);
+#else
+  return strsignal(signal);
+#endif
+}
+
 void endIfCrashed() noexcept {
   const int signal = theCrash;
   if (signal == 0) return;
@@ -160,7 +168,7 @@ void endIfCrashed() noexcept {
   std::snprintf(text, sizeof text,
                 "internal error: the program crashed (%s); what it had not finished is removed. Please report it, "
                 "with the command line",
-                sigdescr_np(signal));
+                describe(signal));
   endNow(kInternal, text);
 }
 

@@ -39,7 +39,7 @@ const Command kCommands[] = {
     {"study", runStudy, "show what holds for every texture: average membership, distance over circles"},
     {"render", runRender, "make a shaded picture of a level set, or of a map's set"},
     {"explore", runExplore, "explore looks in the browser"},
-    {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet", planKinds()},
+    {"plan", runPlan, "plan the tasks of a farm: tiles of a fractal, frames, or cells of a contact sheet", planKinds},
     {"task", runTask, "make one of the tasks that a large job was cut into"},
     {"status", runStatus, "show which tasks of a plan are done, and which are missing"},
     {"submit", runSubmit, "give the missing tasks of a plan to Slurm or GNU parallel"},
@@ -88,7 +88,7 @@ int runHelp(const Arguments& topics) {
   if (!command) refuseCommand(topics.front());
   Arguments words{"--help"};
   std::size_t next = 1;
-  for (const Command& part : command->parts)
+  for (const Command& part : command->parts())
     if (topics.size() > 1 && topics[1] == part.name) {
       words.insert(words.begin(), topics[1]);
       next = 2;

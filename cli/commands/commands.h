@@ -41,7 +41,9 @@ struct Command {
   const char* name;
   int (*run)(const Arguments&);
   const char* summary;
-  std::span<const Command> parts{};  ///< commands that follow its name, as in 'plan frames'
+  std::span<const Command> (*partsOf)() = nullptr;  ///< commands that follow its name, as in 'plan frames'
+
+  std::span<const Command> parts() const { return partsOf ? partsOf() : std::span<const Command>(); }
 };
 
 std::span<const Command> commands();

@@ -12,6 +12,7 @@
 #include "vdbtools/explore/explore_server.h"
 #include "vdbtools/scene/scene.h"
 
+#include <cerrno>
 #include <csignal>
 #include <iostream>
 #include <ostream>
@@ -69,9 +70,13 @@ void openBrowser(const std::string& url) {
   ::posix_spawnattr_setsigmask(&attributes, &none);
   ::posix_spawnattr_setpgroup(&attributes, 0);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+#ifdef __EMSCRIPTEN__
+  constexpr int error = ENOSYS;
+#else
   pid_t child = 0;
-  if (::posix_spawnp(&child, program.c_str(), &actions, &attributes, arguments, environ) != 0)
-    report().text() << "the browser could not be started; open the address yourself\n";
+  const int error = ::posix_spawnp(&child, program.c_str(), &actions, &attributes, arguments, environ);
+#endif
+  if (error != 0) report().text() << "the browser could not be started; open the address yourself\n";
   ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
 }

@@ -65,7 +65,7 @@ std::vector<std::pair<std::string, const Command*>> allCommands() {
   std::vector<std::pair<std::string, const Command*>> all;
   for (const Command& command : commands()) {
     all.emplace_back(command.name, &command);
-    for (const Command& part : command.parts) all.emplace_back(std::string(command.name) + ' ' + part.name, &part);
+    for (const Command& part : command.parts()) all.emplace_back(std::string(command.name) + ' ' + part.name, &part);
   }
   return all;
 }

@@ -6,6 +6,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#ifdef __EMSCRIPTEN__
+#include <emscripten/heap.h>
+#endif
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -135,7 +139,7 @@ double ownMemory(const fs::path& root, const char* name) {
 MemoryLeft leftOf(int resource, const fs::path& root, const char* own, const char* name) {
   MemoryLeft left{kNoLimit, "nothing"};
   rlimit limit{};
-  if (getrlimit(static_cast<__rlimit_resource>(resource), &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+  if (getrlimit(static_cast<decltype(RLIMIT_AS)>(resource), &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
     limitBy(left, static_cast<double>(limit.rlim_cur) - ownMemory(root, own), name);
   return left;
 }
@@ -165,8 +169,13 @@ MemoryLeft memoryLeft(const fs::path& root) {
   return left;
 }
 
-MemoryLeft addressSpaceLeft(const fs::path& root) {
+MemoryLeft addressSpaceLeft([[maybe_unused]] const fs::path& root) {
+#ifdef __EMSCRIPTEN__
+  return {static_cast<double>(emscripten_get_heap_max()) - static_cast<double>(emscripten_get_heap_size()),
+          "the memory that WebAssembly has"};
+#else
   return leftOf(RLIMIT_AS, root, "VmSize:", "the limit of address space (ulimit -v)");
+#endif
 }
 
 MemoryLeft dataLeft(const fs::path& root) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/base/text.h"
 
+#include "base/from_chars.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -13,7 +15,7 @@ namespace vdbtools {
 std::optional<double> numberFromText(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);  // from_chars accepts no plus sign
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, error] = fromChars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size() || error == std::errc::invalid_argument) return std::nullopt;
   // Here strtod() distinguishes overflow from underflow.
   if (error == std::errc::result_out_of_range) return std::strtod(std::string(text).c_str(), nullptr);

@@ -27,7 +27,6 @@
 #include <mutex>
 #include <set>
 #include <stdexcept>
-#include <stop_token>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -44,17 +43,28 @@ using Clock = std::chrono::steady_clock;
 class RunningMark {
  public:
   RunningMark(const fs::path& path, const std::string& content) : mFile(path, content) {
-    mThread = std::jthread([this](const std::stop_token& stop) {
-      std::mutex mutex;
-      std::condition_variable_any wake;
-      std::unique_lock lock(mutex);
-      while (!wake.wait_for(lock, stop, kSignOfLife, [&stop] { return stop.stop_requested(); })) mFile.touch();
+    mThread = std::thread([this] {
+      std::unique_lock lock(mMutex);
+      while (!mWake.wait_for(lock, kSignOfLife, [this] { return mEnds; })) mFile.touch();
     });
+  }
+  RunningMark(const RunningMark&) = delete;
+  RunningMark& operator=(const RunningMark&) = delete;
+  ~RunningMark() {
+    {
+      const std::lock_guard lock(mMutex);
+      mEnds = true;
+    }
+    mWake.notify_one();
+    mThread.join();
   }
 
  private:
   MarkFile mFile;
-  std::jthread mThread;  ///< declared after the file, so that it ends first
+  std::mutex mMutex;
+  std::condition_variable mWake;
+  bool mEnds = false;  // guarded by mMutex
+  std::thread mThread;
 };
 
 double cpuSeconds() {

@@ -304,6 +304,15 @@ class HeldLock {
   bool mHeld;
 };
 
+/// Exchanges the names of two files. @return whether the system and the file system can do that, and it was done
+bool exchange([[maybe_unused]] const fs::path& a, [[maybe_unused]] const fs::path& b) noexcept {
+#ifdef RENAME_EXCHANGE
+  return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
+#else
+  return false;
+#endif
+}
+
 /// Renames @a temporary over @a target.
 /// @param canUndo  keeps the replaced file, if the file system can
 /// @param old      receives the lock of the replaced file, to be held while that has the temporary name. Without it
@@ -318,7 +327,7 @@ int replace(const fs::path& temporary, const fs::path& target, bool canUndo, Und
     if (::lstat(target.c_str(), &status) != 0) {
       if (errno == ENOENT) undo = Undo::MoveBack;
     } else if (S_ISREG(status.st_mode) && (old = std::make_unique<const HeldLock>(target))->held() &&
-               ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) {
+               exchange(temporary, target)) {
       undo = Undo::Exchange;
       return 0;
     }
@@ -328,9 +337,11 @@ int replace(const fs::path& temporary, const fs::path& target, bool canUndo, Und
 
 void undoReplace(const fs::path& temporary, const fs::path& target, Undo undo) noexcept {
   if (undo == Undo::Nothing) return;
-  const unsigned int flags = undo == Undo::Exchange ? RENAME_EXCHANGE : 0;
   // Nothing can be done if this fails; the current exception reports the first failure.
-  [[maybe_unused]] const int result = ::renameat2(AT_FDCWD, target.c_str(), AT_FDCWD, temporary.c_str(), flags);
+  if (undo == Undo::Exchange)
+    exchange(target, temporary);
+  else
+    ::rename(target.c_str(), temporary.c_str());
 }
 
 /// @throw IoError  the folder's entries could not be flushed to the disk

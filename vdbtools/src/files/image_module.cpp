@@ -22,7 +22,9 @@ constexpr double kMebi = 1 << 20;
 
 #ifdef JULIAVDB_IMAGE_MODULE
 constexpr const char* kPictures = "pictures can be neither read nor written: ";
+#endif
 
+#if defined(JULIAVDB_IMAGE_MODULE) && !defined(VDBTOOLS_NO_PICTURES)
 /// Some of the libraries crash while loading if memory is insufficient, so they are not loaded then.
 void requireRoom(const MemoryLeft& left, double needed) {
   if (left.bytes < needed)
@@ -60,7 +62,11 @@ void* loadModule() {
 
 }  // namespace
 
-#ifdef JULIAVDB_IMAGE_MODULE
+#ifdef VDBTOOLS_NO_PICTURES
+void* imageFunction(const char*) {
+  throw IoError(kPictures + std::string("this program was built without: " VDBTOOLS_NO_PICTURES));
+}
+#elif defined(JULIAVDB_IMAGE_MODULE)
 void* imageFunction(const char* name) {
   static void* const module = loadModule();
   void* const function = dlsym(module, name);

@@ -66,8 +66,10 @@ void ScratchFile::moveTo(std::ostream& stream) {
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) fail("cannot be read: " + (count < 0 ? errorText(errno) : "it ends at byte " + std::to_string(at)));
     stream.write(piece.data(), count);
+#ifndef __EMSCRIPTEN__
     // Avoids two copies on the disk. If the file system cannot do this, nothing is lost.
     [[maybe_unused]] const int result = ::fallocate(mDescriptor, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, at, count);
+#endif
     at += count;
   }
 }

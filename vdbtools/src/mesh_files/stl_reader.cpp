@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "base/from_chars.h"
 #include "mesh_files/mesh_formats.h"
 #include "mesh_files/text_scan.h"
 #include "vdbtools/base/errors.h"
@@ -7,7 +8,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -109,7 +109,7 @@ float singleOf(const LineScanner& lines, std::string_view word) {
   // Parsed directly from the text; converting the checked double would round twice.
   if (word.starts_with('+')) word.remove_prefix(1);
   float value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [end, error] = fromChars(word.data(), word.data() + word.size(), value);
   return error == std::errc() ? value : std::strtof(std::string(word).c_str(), nullptr);
 }
 

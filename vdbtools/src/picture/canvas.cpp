@@ -386,9 +386,4 @@ std::string Canvas::encode(const std::string& extension) {
   return mState->svg->bytes();
 }
 
-CanvasKind canvasKindOf(const std::string& extension) {
-  const std::string name = lowerCase(extension);
-  return name == "svg" || name == ".svg" ? CanvasKind::Svg : CanvasKind::Pixels;
-}
-
 }  // namespace vdbtools

@@ -119,4 +119,9 @@ void SvgDrawing::image(std::string_view png, const CanvasBox& box) {
            attribute("xlink:href", "data:image/png;base64," + base64(png)) + "/>\n";
 }
 
+CanvasKind canvasKindOf(const std::string& extension) {
+  const std::string name = lowerCase(extension);
+  return name == "svg" || name == ".svg" ? CanvasKind::Svg : CanvasKind::Pixels;
+}
+
 }  // namespace vdbtools
