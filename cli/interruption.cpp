@@ -185,6 +185,7 @@ void endIfMemoryRunsOut() noexcept {
 
 void watchForInterruption() {
   std::set_terminate(endUnhandled);
+#ifndef __EMSCRIPTEN__            // there, no thread can wait for a signal; Node ends the process
   std::signal(SIGPIPE, SIG_IGN);  // a reader that is gone causes a failed write
   std::signal(SIGXFSZ, SIG_IGN);  // and so does a file that 'ulimit -f' forbids
   watchForCrashes();
@@ -207,6 +208,7 @@ void watchForInterruption() {
     std::this_thread::sleep_for(kGrace);
     stopNow(kInterrupted, "interrupted", "");
   }).detach();
+#endif
 }
 
 bool interrupted() noexcept { return theInterrupted && !theWorkDone; }
