@@ -26,6 +26,10 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#ifdef __EMSCRIPTEN__
+#include <emscripten.h>
+#endif
+
 namespace cli {
 namespace {
 
@@ -181,22 +185,46 @@ void endIfMemoryRunsOut() noexcept {
   }
 }
 
+#ifdef __EMSCRIPTEN__
+void blockSignals() noexcept {}
+
+/// Waits a moment. @return whether the program is to end. Node hears signals, and calls juliavdb_interrupt().
+bool waitForSignal() noexcept {
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  return theInterrupted;
+}
+#else
+sigset_t theSignals;
+
+void blockSignals() noexcept {
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that is gone causes a failed write
+  std::signal(SIGXFSZ, SIG_IGN);  // and so does a file that 'ulimit -f' forbids
+  sigemptyset(&theSignals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&theSignals, signal);
+  pthread_sigmask(SIG_BLOCK, &theSignals, nullptr);
+}
+
+/// Waits a moment for a signal. @return whether the program is to end
+bool waitForSignal() noexcept {
+  constexpr timespec kPeriod = {.tv_sec = 0, .tv_nsec = 200'000'000};
+  return sigtimedwait(&theSignals, nullptr, &kPeriod) >= 0;
+}
+#endif
+
 }  // namespace
+
+#ifdef __EMSCRIPTEN__
+/// wasm/node_signals.js calls it.
+extern "C" EMSCRIPTEN_KEEPALIVE void juliavdb_interrupt() { theInterrupted = true; }
+#endif
 
 void watchForInterruption() {
   std::set_terminate(endUnhandled);
-#ifndef __EMSCRIPTEN__            // there, no thread can wait for a signal; Node ends the process
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that is gone causes a failed write
-  std::signal(SIGXFSZ, SIG_IGN);  // and so does a file that 'ulimit -f' forbids
+  blockSignals();
   watchForCrashes();
-  static sigset_t signals;
-  sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread([] {
-    constexpr timespec kPeriod = {.tv_sec = 0, .tv_nsec = 200'000'000};
     for (;;) {
-      if (sigtimedwait(&signals, nullptr, &kPeriod) < 0) {
+      if (!waitForSignal()) {
         endIfCrashed();
         endIfMemoryRunsOut();
         continue;
@@ -208,7 +236,6 @@ void watchForInterruption() {
     std::this_thread::sleep_for(kGrace);
     stopNow(kInterrupted, "interrupted", "");
   }).detach();
-#endif
 }
 
 bool interrupted() noexcept { return theInterrupted && !theWorkDone; }

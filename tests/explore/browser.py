@@ -36,6 +36,7 @@ def main():
 class BrowserTest(harness.CliTest):
     # Of the layout, and how many pixels the screen has for each of these. Software draws some thousand a second.
     WIDTH, HEIGHT, SCALE = 800, 400, 0.3
+    LOGS = {"browser": "ALL"}
 
     @classmethod
     def setUpClass(cls):
@@ -50,7 +51,7 @@ class BrowserTest(harness.CliTest):
                      "--disable-background-networking", "--disable-component-update",
                      f"--user-data-dir={profile.name}"):
             options.add_argument(word)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        options.set_capability("goog:loggingPrefs", cls.LOGS)
         cls.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
         cls.addClassCleanup(cls.driver.quit)
         cls.driver.set_page_load_timeout(PATIENCE)

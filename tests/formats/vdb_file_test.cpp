@@ -61,6 +61,32 @@ TEST_F(VdbFileTest, SameGridsSameBytes) {
   EXPECT_NE(encodeVdb({other}, {}).substr(21, 36), once.substr(21, 36));
 }
 
+// What OpenVDB counts in a build of 64 bits stands in the file, whatever the build, and with it the other statistics.
+template <class Tree>
+void expectRecordedMemory() {
+  const auto grid = openvdb::Grid<Tree>::create();
+  for (const Coord& place : {Coord(0), Coord(9, 0, 0), Coord(-700, 12, 4), Coord(5000, 0, 0)}) {
+    EXPECT_EQ(decodeVdb(encodeVdb({grid}, {})).grids[0]->template metaValue<openvdb::Int64>("file_mem_bytes"),
+              static_cast<openvdb::Int64>(grid->memUsage()))
+        << grid->type();
+    grid->tree().setValueOn(place);
+  }
+  const auto read = decodeVdb(encodeVdb({grid}, {})).grids[0];
+  EXPECT_EQ(read->template metaValue<openvdb::Int64>("file_voxel_count"), 4);
+  EXPECT_EQ(read->template metaValue<openvdb::Vec3i>("file_bbox_max"), openvdb::Vec3i(5000, 12, 4));
+  EXPECT_NE(read->template metaValue<std::string>("file_compression").find("active values"), std::string::npos);
+}
+
+TEST_F(VdbFileTest, RecordsTheMemoryThatItsGridsTake) {
+  if (sizeof(void*) != 8) GTEST_SKIP() << "this build has other sizes in memory";
+  expectRecordedMemory<openvdb::FloatTree>();
+  expectRecordedMemory<openvdb::DoubleTree>();
+  expectRecordedMemory<openvdb::Int32Tree>();
+  expectRecordedMemory<openvdb::Vec3STree>();
+  expectRecordedMemory<openvdb::BoolTree>();
+  expectRecordedMemory<openvdb::MaskTree>();
+}
+
 // With any version of OpenVDB, so that the bytes are the same: the head of 10.0. Format 225, of OpenVDB 13, differs in
 // types of grids alone.
 TEST_F(VdbFileTest, TheFormatIsThatOfOpenVdb10AndThatOf13IsRead) {

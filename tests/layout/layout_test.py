@@ -46,6 +46,7 @@ ORDER = [
     "vdbtools/farm",
     "vdbtools/explore",
     "cli",
+    "wasm",
     "python",
 ]
 
@@ -60,6 +61,7 @@ PLACES = [
     *[(f"vdbtools/{half}/{room.partition('/')[2]}/", room)
       for room in ORDER if room.startswith("vdbtools/") for half in ("include/vdbtools", "src")],
     ("cli/", "cli"),
+    ("wasm/", "wasm"),
     ("python/", "python"),
 ]
 
@@ -68,6 +70,7 @@ SEARCHED = {
     "libjulia": ["libjulia/include", "libjulia/src"],
     "vdbtools": ["vdbtools/include", "vdbtools/src", "libjulia/include"],
     "cli": ["cli", "vdbtools/include", "libjulia/include"],
+    "wasm": ["cli", "vdbtools/include", "vdbtools/src", "libjulia/include"],  # a page of its own on the room explore
     "python": ["python/src", "vdbtools/include", "libjulia/include"],
     # Some tests and benchmarks look at the insides.
     "tests": ["tests", "cli", "vdbtools/include", "vdbtools/src", "libjulia/include", "libjulia/src"],

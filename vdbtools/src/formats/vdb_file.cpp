@@ -3,6 +3,7 @@
 
 #include "base/lattice_transform.h"
 #include "formats/grid_formats.h"
+#include "formats/recorded_memory.h"
 #include "formats/turn_matrix.h"
 #include "formats/vdb_check.h"
 #include "formats/vdb_cursor.h"
@@ -82,13 +83,23 @@ std::string creatorText(const std::optional<UpAxis>& up) {
   return up == UpAxis::Y ? std::string("Houdini axes (Y up), written by ") + kProgram : kProgram;
 }
 
-/// The grid for the file, which shares the tree.
+std::uint32_t writtenCompression() {
+  return openvdb::io::COMPRESS_ACTIVE_MASK |
+         (openvdb::io::Archive::hasBloscCompression() ? openvdb::io::COMPRESS_BLOSC : 0);
+}
+
+/// The grid for the file, which shares the tree, with the statistics that OpenVDB would add itself.
 openvdb::GridBase::Ptr filed(const openvdb::GridBase& grid, const VdbWriteOptions& options) {
   openvdb::GridBase::Ptr copy = std::const_pointer_cast<openvdb::GridBase>(grid.copyGrid());
   for (const auto& [key, value] : options.metadata) copy->insertMeta(key, openvdb::StringMetadata(value));
   turnGrid(*copy, options.turn);
   copy->setSaveFloatAsHalf(options.half);
   copy->setCreator(creatorText(options.up));
+  copy->addStatsMetadata();
+  copy->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES,
+                   openvdb::Int64Metadata(static_cast<std::int64_t>(recordedMemoryOf(*copy))));
+  copy->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION,
+                   openvdb::StringMetadata(openvdb::io::compressionToString(writtenCompression())));
   return copy;
 }
 
@@ -274,9 +285,8 @@ std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& given, const Vd
   for (const auto& grid : grids) out.push_back(filed(*grid, options));
   std::ostringstream stream(std::ios::binary);
   SeekableArchive archive;
-  std::uint32_t compression = openvdb::io::COMPRESS_ACTIVE_MASK;
-  if (openvdb::io::Archive::hasBloscCompression()) compression |= openvdb::io::COMPRESS_BLOSC;
-  archive.setCompression(compression);
+  archive.setCompression(writtenCompression());
+  archive.setGridStatsMetadataEnabled(false);  // they are in the grids
   archive.writeTo(stream, out, metadata);
   std::string bytes = std::move(stream).str();
   if (!looksLikeIdentifier(std::string_view(bytes).substr(kIdentifierOffset, kIdentifierLength)))

@@ -102,6 +102,8 @@ export function makeFiles(page) {
         await poll();
       }), { "aria-label": `Cancel ${job.name}` }) : button("Go there", () => store.change((state) => { state.recipe = { ...job.recipe }; }),
         { "aria-label": `Go to the look of ${job.name}` }),
+      job.state === "done" && server.keepsFiles ? job.files.map((file) =>
+        [" ", button(`Save ${file}`, attempt(async () => download(await server.file(file), file)))]).flat() : null,
       job.state === "done" ? [" ", button("Show", () => page.showMade(job), { "aria-label": `Show ${job.name} as it was made`, title: "By the camera at hand" })] : null);
     return { element: made, what, progress };
   }
@@ -154,7 +156,7 @@ export function makeFiles(page) {
         const body = store.state.view ? page.pictureBody(store.state, PICTURE) : null;
         const { job } = await server.make({ ...request(), overwrite: overwrite.checked });
         if (body) asked.set(job, body);
-        say(`In ${start.folder}.`);
+        say(server.keepsFiles ? "The files are kept in this page until they are saved." : `In ${start.folder}.`);
         await poll();
       }), { class: "main" }),
       button("Copy command", attempt(async () => {

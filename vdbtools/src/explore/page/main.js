@@ -85,7 +85,17 @@ function buildPage(parts) {
     element("div", { class: "panel" }, ...parts.panel));
 }
 
+// A page whose index.html names a worker has no server.
+async function openProgram() {
+  const worker = document.querySelector("meta[name=juliavdb-worker]")?.content;
+  if (!worker) return;
+  const { begin, Program } = await import("./program.js"), program = new Program(worker);
+  await begin(program, document.getElementById("app"));
+  server.use(program);
+}
+
 async function run() {
+  await openProgram();
   const exported = await exportedData(), start = exported?.start ?? await server.start(), isExported = Boolean(exported);
   const options = new Options(start);
   const first = { recipe: start.recipe ?? {}, view: null, look: usualLook(), compare: false };
@@ -333,7 +343,8 @@ async function run() {
   const parts = {
     canvas, exact, targetBox, status, progress, strip: strip.element, keys: page.keys?.element ?? null, choices: choices.element,
     title: isExported ? "A look of JuliaVDB" : start.target ? start.target.name + (start.target.atRest ? ", at rest" : "") : "JuliaVDB",
-    tools: [undo, redo, frameButton, turntable, savePicture, ...(isExported ? [] : [exactButton, meshButton, ...(start.target ? [compare] : [])])],
+    tools: [...(server.keepsFiles ? [button("Another mesh", () => location.reload(), { title: "The look stays" })] : []),
+      undo, redo, frameButton, turntable, savePicture, ...(isExported ? [] : [exactButton, meshButton, ...(start.target ? [compare] : [])])],
     panel: files ? [controls.element, files.element] : [exportNote(scene, start), controls.element],
   };
   buildPage(parts);

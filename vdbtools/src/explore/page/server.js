@@ -2,6 +2,10 @@
 // The requests of the page; vdbtools/explore/explore_server.h lists them. Addresses are relative, because the page's
 // own address contains the key.
 
+// Where the requests go: to the server, or to the program in a worker (program.js).
+let program = null;
+const answer = (path, options) => program ? program.ask(path, options) : fetch(path, { cache: "no-store", ...options });
+
 async function failure(response) {
   let text = `${response.status} ${response.statusText}`;
   try {
@@ -13,9 +17,9 @@ async function failure(response) {
 async function request(path, options = {}) {
   let response;
   try {
-    response = await fetch(path, { cache: "no-store", ...options });
+    response = await answer(path, options);
   } catch (error) {
-    if (error.name === "AbortError") throw error;
+    if (error.name === "AbortError" || program) throw error;
     throw new Error("The server does not answer. Is 'juliavdb explore' still running?");
   }
   if (!response.ok) throw await failure(response);
@@ -27,6 +31,11 @@ const post = (path, body, signal) => request(path, {
 });
 
 export const server = {
+  // Lets a program in a worker answer instead.
+  use: (other) => { program = other; },
+  // Whether the files that are made lie in the page's memory, from which the browser saves them.
+  get keepsFiles() { return program !== null; },
+  file: (name) => program.file(name),
   start: async () => (await request("start")).json(),
   scene: async (recipe, wait, signal, side) => (await post("scene", { recipe, wait, side }, signal)).json(),
   volume: async (id, signal) => new Uint16Array(await (await request(`volume/${id}`, { signal })).arrayBuffer()),
