@@ -100,7 +100,8 @@ class Program(browser.BrowserTest):
         self.wait_for_picture()
         self.run_script("document.querySelector('details.files').open = true")
         self.button("Make").click()
-        self.wait_until(lambda: any(one.text == "Save look.vdb" for one in self.finds(".jobs button")), "the file")
+        self.wait_until(lambda: "Save look.vdb" in self.run_script(
+            "return Array.from(document.querySelectorAll('.jobs button'), (one) => one.textContent)"), "the file")
         # What the page saves are the bytes that were made.
         read = self.driver.execute_async_script(
             "const done = arguments[0]; import('./page/server.js').then(async ({ server }) => "
@@ -136,7 +137,7 @@ class Program(browser.BrowserTest):
         sample = self.driver.execute_async_script(
             "const done = arguments[0]; import('./page/program.js').then(async ({ sampleMesh }) => done(await sampleMesh().text()));")
         self.write("sample.obj", sample)
-        said = json.loads(self.ok("info", "sample.obj", "--json"))
+        said = json.loads(self.ok("info", "sample.obj", "--json", data=True))
         self.assertEqual((said["closed"], said["components"], said["degenerate faces"]), (True, 1, 0))
         self.assertGreater(said["volume"], 0)  # the faces look outwards
         self.button("Take a sample").click()

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <future>
 #include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -154,10 +154,10 @@ class JoinedEvaluator final : public FieldEvaluator, public OrbitTracer {
         failures[k] = std::current_exception();
       }
     };
-    std::vector<std::jthread> threads;
-    for (std::size_t k = 1; k < count; ++k) threads.emplace_back(run, k);
+    std::vector<std::future<void>> others;
+    for (std::size_t k = 1; k < count; ++k) others.push_back(std::async(std::launch::async, run, k));
     run(0);
-    threads.clear();  // waits for them
+    others.clear();  // waits for them
     for (const std::exception_ptr& failure : failures)
       if (failure) std::rethrow_exception(failure);
   }

@@ -140,7 +140,11 @@ export function begin(program, app) {
   };
   document.addEventListener("drop", dropped);
   document.addEventListener("dragover", (event) => event.preventDefault());
-  pick.addEventListener("change", () => take([...pick.files]));
+  pick.addEventListener("change", () => {
+    const files = [...pick.files];
+    pick.value = "";  // the same file may be chosen again
+    take(files);
+  });
 
   const reason = obstacle();
   if (reason) {
