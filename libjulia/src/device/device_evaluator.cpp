@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a device evaluates a field.
+#include "device/device_rays.h"
 #include "device/field_check.h"
 #include "device/forwarding_evaluator.h"
+#include "device/in_pieces.h"
 #include "device/opencl_device.h"
 
 #include "object_pool.h"
@@ -14,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <utility>
 #include <variant>
@@ -100,6 +103,29 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
     if (!isDone([&] { findThere(edges, lattice, found); })) host().findCrossings(edges, lattice, found);
   }
 
+  std::size_t preferredRays() const override { return mLost || !searches() ? 0 : std::size_t{1} << 19; }
+
+  /// A device that cannot leaves all rays to the caller.
+  void followRays(const RayMarch& march, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const override {
+    const auto follow = [&] {
+      std::call_once(mRaysTried, [&] {
+        if (!agreesOnRays(*this, host())) throw DeviceFailure("it has other bits than the processor along rays");
+      });
+      followThere(march, rays, met);
+    };
+    if (!searches() || !isDone(follow)) FieldEvaluator::followRays(march, rays, met);
+  }
+
+  /// The points are made on the device.
+  void evaluateAround(std::span<const Point> centres, std::span<const double> distances,
+                      std::span<const Point> directions, std::span<double> field,
+                      std::span<int> iterations) const override {
+    constexpr std::size_t kFew = 16;
+    const auto evaluate = [&] { evaluateAroundThere(centres, distances, directions, field, iterations); };
+    if (centres.size() < kFew || directions.empty() || !searches() || !isDone(evaluate))
+      host().evaluateAround(centres, distances, directions, field, iterations);
+  }
+
   /// A device is efficient only with many points at a time.
   std::size_t preferredBatch() const override { return mLost ? host().preferredBatch() : std::size_t{1} << 16; }
   void evaluateBlocks(std::span<const NodeBlock> blocks) const override {
@@ -132,11 +158,15 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
                  std::span<double> found) const override {
     findBy(mNodeSearch, edges, lattice, found);
   }
+  void followThere(const RayMarch& march, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const override {
+    mRays.follow(march, rays, met);
+  }
 
  private:
   static constexpr const char* kFollow = "followOrbits";
   /// The largest numbers of points, edges and blocks of a call.
-  static constexpr std::size_t kMostAtOnce = std::size_t{1} << 20, kMostBlocks = std::size_t{1} << 17;
+  static constexpr std::size_t kMostAtOnce = std::size_t{1} << 20, kMostBlocks = std::size_t{1} << 17,
+                               kMostAround = std::size_t{1} << 23;
 
   /// The memory with which one thread evaluates points, kept between calls.
   struct Work {
@@ -146,6 +176,17 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
     std::size_t capacity = 0;
     OpenClDevice::Memory points{}, ends{}, steps{};
     std::vector<Real> pointsHere{}, endsHere{};
+    std::vector<std::int32_t> stepsHere{};
+  };
+  /// The memory with which one thread evaluates points around others.
+  struct Around {
+    explicit Around(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, "followAround") { of.setShared(lane); }
+
+    OpenClDevice::Lane lane;
+    std::size_t capacity = 0, each = 0;
+    OpenClDevice::Memory centres{}, ends{}, steps{}, directions{};
+    std::vector<double> centresHere{}, directionsHere{};
+    std::vector<Real> endsHere{};
     std::vector<std::int32_t> stepsHere{};
   };
   /// The memory with which one thread searches edges.
@@ -205,12 +246,6 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
     }
   }
 
-  /// The number of points, edges or blocks for which memory is allocated if it has to hold @a count.
-  static std::size_t roomFor(std::size_t count) {
-    std::size_t capacity = 64;
-    while (capacity < count) capacity *= 2;
-    return capacity;
-  }
   /// The arguments 4 to 7, which kernels have in common. Number 3 is how many points or edges there are.
   void setShared(const OpenClDevice::Lane& lane) const {
     const cl_mem shared[] = {mNumbers.get(), mIntegers.get(), mPlaces.get(), mValues.get()};
@@ -227,6 +262,21 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
     const cl_mem arguments[] = {work.points.get(), work.ends.get(), work.steps.get()};
     for (cl_uint k = 0; k < 3; ++k) work.lane.setArgument(k, arguments[k]);
     work.capacity = capacity;
+  }
+
+  void reserve(Around& around, std::size_t count, std::size_t each) const {
+    if (count <= around.capacity && each == around.each) return;
+    const std::size_t capacity = roomFor(count);
+    around.capacity = 0;
+    around.centres = around.lane.made(4 * (capacity / each + 1) * sizeof(double));
+    around.ends = around.lane.made(capacity * sizeof(Real));
+    around.steps = around.lane.made(capacity * sizeof(std::int32_t));
+    around.directions = around.lane.made(3 * each * sizeof(double));
+    const cl_mem arguments[] = {around.centres.get(), around.ends.get(), around.steps.get()};
+    for (cl_uint k = 0; k < 3; ++k) around.lane.setArgument(k, arguments[k]);
+    around.lane.setArgument(8, around.directions.get());
+    around.capacity = capacity;
+    around.each = each;
   }
 
   void reserve(Search& search, std::size_t count) const {
@@ -278,30 +328,6 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
     signs.capacity = capacity;
   }
 
-  /// Calls @a piece for one part after another, each as large as a device gets at a time. Parts for which it has no
-  /// memory are halved. @param loan  the memory of the host for it
-  template <class Loan, class Function>
-  static void inPieces(std::size_t size, std::size_t most, Loan& loan, const Function& piece) {
-    // A device that has no memory for so few has none at all.
-    constexpr std::size_t kFewest = 64;
-    try {
-      for (std::size_t first = 0; first < size;) {
-        const std::size_t count = std::min(most, size - first);
-        try {
-          piece(first, count);
-          first += count;
-        } catch (const DeviceIsFull&) {
-          if (count <= kFewest) throw;
-          loan->lane.forget();
-          most = count / 2;
-        }
-      }
-    } catch (const DeviceHangs&) {
-      keepUntilExit(loan.release());
-      throw;
-    }
-  }
-
   void evaluatePiece(Work& work, std::span<const Point> points, std::span<double> field,
                      std::span<int> iterations) const {
     const std::size_t count = points.size();
@@ -318,8 +344,15 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
     work.lane.read(work.steps.get(), work.stepsHere.data(), count * sizeof(std::int32_t));
     work.lane.wait();
     mDevice->countPoints(count);
+    take(work, field, iterations, [&](std::size_t i) { return points[i]; });
+  }
+
+  /// Takes the ends of the orbits of points, and evaluates those that the device leaves to the processor.
+  /// @param pointAt  makes a point from its number
+  template <class AnyWork, class Function>
+  void take(const AnyWork& work, std::span<double> field, std::span<int> iterations, const Function& pointAt) const {
     std::vector<std::size_t> unusual;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < field.size(); ++i) {
       if (work.stepsHere[i] < 0) {
         unusual.push_back(i);
         continue;
@@ -327,7 +360,46 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
       field[i] = fieldOfEnd(work.endsHere[i], mLevel);
       if (!iterations.empty()) iterations[i] = work.stepsHere[i];
     }
-    evaluateHere(unusual, points, field, iterations);
+    evaluateHere(unusual, field, iterations, pointAt);
+  }
+
+  /// @throw DeviceFailure
+  void evaluateAroundThere(std::span<const Point> centres, std::span<const double> distances,
+                           std::span<const Point> directions, std::span<double> field,
+                           std::span<int> iterations) const {
+    auto around = mAround.borrow();
+    const std::size_t each = directions.size();
+    inPieces(centres.size(), std::max<std::size_t>(1, kMostAround / each), around,
+             [&](std::size_t first, std::size_t count) {
+               evaluatePieceAround(*around, centres.subspan(first, count), distances.subspan(first, count), directions,
+                                   field.subspan(first * each, count * each),
+                                   iterations.empty() ? iterations : iterations.subspan(first * each, count * each));
+             });
+  }
+
+  void evaluatePieceAround(Around& around, std::span<const Point> centres, std::span<const double> distances,
+                           std::span<const Point> directions, std::span<double> field,
+                           std::span<int> iterations) const {
+    const std::size_t each = directions.size(), count = field.size();
+    reserve(around, count, each);
+    around.centresHere.clear();
+    for (std::size_t i = 0; i < centres.size(); ++i)
+      around.centresHere.insert(around.centresHere.end(), {centres[i][0], centres[i][1], centres[i][2], distances[i]});
+    around.directionsHere.clear();
+    for (const Point& x : directions) around.directionsHere.insert(around.directionsHere.end(), x.begin(), x.end());
+    around.endsHere.resize(count);
+    around.stepsHere.resize(count);
+    around.lane.write(around.centres.get(), around.centresHere.data(), 4 * centres.size() * sizeof(double));
+    around.lane.write(around.directions.get(), around.directionsHere.data(), 3 * each * sizeof(double));
+    around.lane.setArgument(3, static_cast<cl_uint>(count));
+    around.lane.setArgument(9, static_cast<cl_uint>(each));
+    around.lane.run(count);
+    around.lane.read(around.ends.get(), around.endsHere.data(), count * sizeof(Real));
+    around.lane.read(around.steps.get(), around.stepsHere.data(), count * sizeof(std::int32_t));
+    around.lane.wait();
+    mDevice->countPoints(count);
+    take(around, field, iterations,
+         [&](std::size_t i) { return pointAlong(centres[i / each], distances[i / each], directions[i % each]); });
   }
 
   void findSignsOfPiece(Signs& signs, const SearchLattice& lattice, std::span<SignBlock> blocks) const {
@@ -463,11 +535,12 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
   }
 
   /// Evaluates the points of a piece that the device leaves to the processor.
-  void evaluateHere(std::span<const std::size_t> numbers, std::span<const Point> points, std::span<double> field,
-                    std::span<int> iterations) const {
+  template <class Function>
+  void evaluateHere(std::span<const std::size_t> numbers, std::span<double> field, std::span<int> iterations,
+                    const Function& pointAt) const {
     if (numbers.empty()) return;
     std::vector<Point> some(numbers.size());
-    for (std::size_t i = 0; i < some.size(); ++i) some[i] = points[numbers[i]];
+    for (std::size_t i = 0; i < some.size(); ++i) some[i] = pointAt(numbers[i]);
     std::vector<double> values(some.size());
     std::vector<int> steps(some.size());
     host().evaluate(some, values, steps);
@@ -485,6 +558,9 @@ class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
   mutable ObjectPool<Work> mWork{[this] { return std::make_unique<Work>(*this); }};
   mutable ObjectPool<NodeSearch> mNodeSearch{[this] { return std::make_unique<NodeSearch>(*this); }};
   mutable ObjectPool<Signs> mSigns{[this] { return std::make_unique<Signs>(*this); }};
+  mutable ObjectPool<Around> mAround{[this] { return std::make_unique<Around>(*this); }};
+  mutable std::once_flag mRaysTried;
+  DeviceRays mRays{*mDevice, mProgram, [this](const OpenClDevice::Lane& lane) { setShared(lane); }};
   mutable ObjectPool<Search> mSearch{[this] { return std::make_unique<Search>(*this); }};
 };
 

@@ -123,4 +123,63 @@ bool agrees(const DeviceCalls& device, const FieldEvaluator& host) {
   return !device.searches() || agreesOnEdges(device, host, points, here);
 }
 
+bool agreesOnRays(const DeviceCalls& device, const FieldEvaluator& host) {
+  constexpr int kRays = 256, kSamples = 64, kBisections = 12;
+  const double radius = host.describe().orbit.escapeRadius, near = std::min(radius, 1.0);
+  const RayMarch plain{.eye = {1.5 * near, 0.25 * near, -0.125 * near},
+                       .alpha = 0.03,
+                       .epsilon = 1e-4 * near,
+                       .bisections = kBisections};
+  // The sequence, which begins before the rays.
+  std::vector<double> members = {0.25 * near};
+  while (members.size() < kSamples + 2)
+    members.push_back(members.back() + std::max(plain.alpha * members.back(), plain.epsilon));
+  RayMarch march = plain;
+  march.members = std::span(members).first(1);
+  Random random(4);
+  std::vector<MarchedRay> rays;
+  std::vector<Point> points;
+  std::vector<double> distances;
+  for (int i = 0; i < kRays; ++i) {
+    Point direction;
+    double square = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      direction[axis] = 0.5 * near * random.between(-1, 1) - march.eye[axis];
+      square += direction[axis] * direction[axis];
+    }
+    for (double& x : direction) x /= std::sqrt(square);
+    const double begin = members[0] + 1e-3 * near * (1 + random.between(-1, 1)) + 1e-6 * near;
+    rays.push_back({direction, begin, begin, members[kSamples]});
+    // Where the ray begins, and then the members beyond it.
+    std::vector<double> along = {begin};
+    for (int k = 1; k <= kSamples; ++k)
+      if (members[static_cast<std::size_t>(k)] > begin) along.push_back(members[static_cast<std::size_t>(k)]);
+    along.resize(kSamples + 1, along.back());
+    distances.insert(distances.end(), along.begin(), along.end());
+    for (const double t : along) points.push_back(pointAlong(march.eye, t, direction));
+  }
+  std::vector<double> field(points.size());
+  host.evaluate(points, field, {});
+  std::vector<RayMeeting> met(rays.size());
+  device.followThere(march, rays, met);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (met[i].end == RayEnd::Left) continue;
+    const std::size_t first = i * (kSamples + 1), last = first + kSamples + 1;
+    std::size_t sample = first;
+    while (sample < last && !(field[sample] < 0)) ++sample;
+    if ((met[i].end == RayEnd::Met) != (sample < last)) return false;
+    if (sample == last) continue;
+    double inside = distances[sample], outside = sample == first ? inside : distances[sample - 1];
+    for (int k = 0; k < kBisections && outside < inside; ++k) {
+      const double middle = 0.5 * (outside + inside);
+      const Point at = pointAlong(march.eye, middle, rays[i].direction);
+      double value = 0;
+      host.evaluate({&at, 1}, {&value, 1}, {});
+      (value < 0 ? inside : outside) = middle;
+    }
+    if (!sameBits(inside, met[i].inside) || !sameBits(outside, met[i].outside)) return false;
+  }
+  return true;
+}
+
 }  // namespace julia::device

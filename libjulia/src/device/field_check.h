@@ -23,10 +23,15 @@ class DeviceCalls {
                          std::span<double> found) const = 0;
   virtual void findThere(std::span<const NodeEdge> edges, const SearchLattice& lattice,
                          std::span<double> found) const = 0;
+  virtual void followThere(const RayMarch& march, std::span<const MarchedRay> rays,
+                           std::span<RayMeeting> met) const = 0;
 };
 
 /// Whether the device has the processor's bits at some thousand points of the field, and in searches about them.
 /// @throw DeviceFailure
 bool agrees(const DeviceCalls& device, const FieldEvaluator& host);
+
+/// Whether the device meets the set where the processor does, along some hundred rays. @throw DeviceFailure
+bool agreesOnRays(const DeviceCalls& device, const FieldEvaluator& host);
 
 }  // namespace julia::device

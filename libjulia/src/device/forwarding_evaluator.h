@@ -45,6 +45,15 @@ class ForwardingEvaluator : public FieldEvaluator, public OrbitTracer {
                      std::span<double> found) const override {
     mHost->findCrossings(edges, lattice, found);
   }
+  std::size_t preferredRays() const override { return mHost->preferredRays(); }
+  void followRays(const RayMarch& march, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const override {
+    mHost->followRays(march, rays, met);
+  }
+  void evaluateAround(std::span<const Point> centres, std::span<const double> distances,
+                      std::span<const Point> directions, std::span<double> field,
+                      std::span<int> iterations) const override {
+    mHost->evaluateAround(centres, distances, directions, field, iterations);
+  }
   void trace(std::span<const Point> points, const OrbitTrace& trace) const override {
     traceOrbits(*mHost, points, trace);
   }

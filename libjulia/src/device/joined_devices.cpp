@@ -56,6 +56,21 @@ class JoinedEvaluator final : public ForwardingEvaluator {
       on.findCrossings(edges.subspan(first, count), lattice, found.subspan(first, count));
     });
   }
+  void followRays(const RayMarch& march, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const override {
+    share(rays.size(), kFewestEdges, [&](const FieldEvaluator& on, std::size_t first, std::size_t count) {
+      on.followRays(march, rays.subspan(first, count), met.subspan(first, count));
+    });
+  }
+  void evaluateAround(std::span<const Point> centres, std::span<const double> distances,
+                      std::span<const Point> directions, std::span<double> field,
+                      std::span<int> iterations) const override {
+    const std::size_t each = directions.size();
+    share(centres.size(), kFewestEdges, [&](const FieldEvaluator& on, std::size_t first, std::size_t count) {
+      on.evaluateAround(centres.subspan(first, count), distances.subspan(first, count), directions,
+                        field.subspan(first * each, count * each),
+                        iterations.empty() ? iterations : iterations.subspan(first * each, count * each));
+    });
+  }
 
   /// Of all devices together.
   std::size_t preferredBatch() const override {
@@ -68,13 +83,18 @@ class JoinedEvaluator final : public ForwardingEvaluator {
     for (const Part* part : working()) all += part->evaluator->preferredNodes();
     return all;
   }
+  std::size_t preferredRays() const override {
+    std::size_t all = 0;
+    for (const Part* part : working()) all += part->evaluator->preferredRays();
+    return all;
+  }
   void evaluateBlocks(std::span<const NodeBlock> blocks) const override {
     if (working().empty()) return host().evaluateBlocks(blocks);
     FieldEvaluator::evaluateBlocks(blocks);
   }
 
  private:
-  static constexpr std::size_t kFewestEdges = 1024;
+  static constexpr std::size_t kFewestEdges = 1024;  ///< or rays
 
   /// Those whose devices have not failed.
   std::vector<const Part*> working() const {
@@ -134,8 +154,10 @@ class JoinedDevices final : public Device {
       all.kernels += one.kernels;
       all.points += one.points;
       all.edges += one.edges;
+      all.rays += one.rays;
       all.mostPoints = std::max(all.mostPoints, one.mostPoints);
       all.mostEdges = std::max(all.mostEdges, one.mostEdges);
+      all.mostRays = std::max(all.mostRays, one.mostRays);
       all.bytesTo += one.bytesTo;
       all.bytesOfFields += one.bytesOfFields;
       all.bytesFrom += one.bytesFrom;
