@@ -154,8 +154,10 @@ void countDeviceUse() {
   report().count("deviceKernels", use.kernels);
   report().count("devicePoints", use.points);
   report().count("deviceEdges", use.edges);
+  report().count("deviceRays", use.rays);
   report().count("deviceMostPoints", use.mostPoints);
   report().count("deviceMostEdges", use.mostEdges);
+  report().count("deviceMostRays", use.mostRays);
   report().count("deviceBytesOfFields", use.bytesOfFields);
   report().count("deviceBytesTo", use.bytesTo);
   report().count("deviceBytesFrom", use.bytesFrom);

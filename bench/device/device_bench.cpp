@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many nodes, points and edges a second a device of OpenCL evaluates, and one core of the processor beside it. It
-// needs libjulia alone, prints one object of JSON a line as soon as it is measured, and goes with the bundle for
+// How many nodes, points, edges and rays a second a device of OpenCL evaluates, and one core of the processor beside
+// it. It needs libjulia alone, prints one object of JSON a line as soon as it is measured, and goes with the bundle for
 // bench/gpu.
 //
-//     device_bench [--device N] [--nodes N] [--points N] [--edges N] [--seconds S]
+//     device_bench [--device N] [--nodes N] [--points N] [--edges N] [--rays N] [--seconds S]
 //
 // Without a number, the device is the first graphics processor, or else the first one that can be used. The numbers say
 // how much goes to the device at a time, and the seconds how long each measurement takes at least.
@@ -38,7 +38,8 @@ using julia::FieldEvaluator;
 
 struct Amounts {
   int device = -1;
-  std::size_t nodes = std::size_t{1} << 22, points = std::size_t{1} << 20, edges = std::size_t{1} << 18;
+  std::size_t nodes = std::size_t{1} << 22, points = std::size_t{1} << 20, edges = std::size_t{1} << 18,
+              rays = std::size_t{1} << 17;
   double seconds = 0.5;
 };
 
@@ -226,6 +227,80 @@ void measurePoints(const Place& at, const std::string& name, bool floats, const 
       rateOf(amounts.seconds, points.size(), [&] { at.field.evaluate(points, values, {}); }));
 }
 
+/// A picture of the field by so many rays, each of them sampled 300 times at most.
+struct Picture {
+  explicit Picture(std::size_t count) {
+    march = {.eye = {0, -2, 0.3}, .alpha = 0, .epsilon = 8e-3, .delta = 1, .members = {&first, 1}, .bisections = 12};
+    const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto across = [&](std::size_t k) {
+        return (static_cast<double>(k) + 0.5) / static_cast<double>(side) - 0.5;
+      };
+      julia::Point direction = {across(i % side), 1.4, across(i / side)};
+      const double length =
+          std::sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+      for (double& x : direction) x /= length;
+      rays.push_back({direction, 1, 1, 3.4});
+    }
+  }
+  double first = 0.9;
+  julia::RayMarch march;
+  std::vector<julia::MarchedRay> rays;
+};
+
+/// Follows rays as a device does, sample by sample. @return how many met the set
+std::size_t followHere(const FieldEvaluator& field, const Picture& picture) {
+  std::vector<julia::MarchedRay> rays = picture.rays;
+  std::vector<double> inside, outside;
+  std::vector<julia::Point> directions, points;
+  std::vector<double> values;
+  const auto evaluate = [&] {
+    values.resize(points.size());
+    field.evaluate(points, values, {});
+  };
+  while (!rays.empty()) {
+    points.clear();
+    for (const julia::MarchedRay& ray : rays)
+      points.push_back(julia::pointAlong(picture.march.eye, ray.t, ray.direction));
+    evaluate();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      julia::MarchedRay ray = rays[i];
+      if (values[i] < 0) {
+        inside.push_back(ray.t);
+        outside.push_back(ray.before);
+        directions.push_back(ray.direction);
+        continue;
+      }
+      ray.before = ray.t;
+      ray.t += picture.march.epsilon;
+      if (ray.t <= ray.end) rays[kept++] = ray;
+    }
+    rays.resize(kept);
+  }
+  for (int k = 0; k < picture.march.bisections; ++k) {
+    points.clear();
+    for (std::size_t i = 0; i < inside.size(); ++i)
+      points.push_back(julia::pointAlong(picture.march.eye, 0.5 * (outside[i] + inside[i]), directions[i]));
+    evaluate();
+    for (std::size_t i = 0; i < inside.size(); ++i)
+      (values[i] < 0 ? inside[i] : outside[i]) = 0.5 * (outside[i] + inside[i]);
+  }
+  return inside.size();
+}
+
+void measureRays(const Place& at, const std::string& name, bool floats, const Amounts& amounts) {
+  const Picture picture(at.isDevice ? amounts.rays : std::min<std::size_t>(256, amounts.rays));
+  std::vector<julia::RayMeeting> met(picture.rays.size());
+  if (at.isDevice && at.field.preferredRays() == 0) return;
+  say("rays", name, floats, at, picture.rays.size(), rateOf(amounts.seconds, picture.rays.size(), [&] {
+        if (at.isDevice)
+          at.field.followRays(picture.march, picture.rays, met);
+        else
+          followHere(at.field, picture);
+      }));
+}
+
 template <class Real>
 void measure(const julia::Device& device, const std::string& name, const Amounts& amounts) {
   constexpr bool kFloats = sizeof(Real) == sizeof(float);
@@ -241,6 +316,7 @@ void measure(const julia::Device& device, const std::string& name, const Amounts
     measureNodes(at, name, kFloats, amounts);
     measureEdges(at, *there, name, kFloats, amounts);
     measurePoints(at, name, kFloats, amounts);
+    measureRays(at, name, kFloats, amounts);
   }
 }
 
@@ -260,10 +336,13 @@ Amounts amountsOf(int count, char** words) {
       amounts.points = static_cast<std::size_t>(value);
     else if (name == "--edges")
       amounts.edges = static_cast<std::size_t>(value);
+    else if (name == "--rays")
+      amounts.rays = static_cast<std::size_t>(value);
     else
-      throw std::runtime_error(name + " is no option; there are --device, --nodes, --points, --edges and --seconds");
+      throw std::runtime_error(name +
+                               " is no option; there are --device, --nodes, --points, --edges, --rays and --seconds");
   }
-  if (!(amounts.seconds >= 0) || amounts.points == 0 || amounts.edges == 0)
+  if (!(amounts.seconds >= 0) || amounts.points == 0 || amounts.edges == 0 || amounts.rays == 0)
     throw std::runtime_error("the numbers must be above 0");
   return amounts;
 }

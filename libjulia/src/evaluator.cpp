@@ -60,6 +60,20 @@ void FieldEvaluator::evaluateSigns(const SearchLattice& lattice, std::span<SignB
   }
 }
 
+void FieldEvaluator::followRays(const RayMarch&, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) met[i] = {.outside = rays[i].before, .inside = rays[i].t};
+}
+
+void FieldEvaluator::evaluateAround(std::span<const Point> centres, std::span<const double> distances,
+                                    std::span<const Point> directions, std::span<double> field,
+                                    std::span<int> iterations) const {
+  std::vector<Point> points;
+  points.reserve(centres.size() * directions.size());
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    for (const Point& direction : directions) points.push_back(pointAlong(centres[i], distances[i], direction));
+  evaluate(points, field, iterations);
+}
+
 namespace {
 
 /// Evaluates maps in log-polar form.

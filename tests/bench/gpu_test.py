@@ -40,7 +40,7 @@ class Gpu(unittest.TestCase):
         self.assertTrue(results["complete"], results)
         self.assertNotIn("kernels_failed", results)
         kernels = {(each["what"], each["field"], each["real"], each["where"]) for each in results["kernels"]}
-        for what in ("nodes", "points", "edges"):
+        for what in ("nodes", "points", "edges", "rays"):
             for field in ("roots:10", "roots:60", "roots:400", "waves", "mandelbulb"):
                 for real in ("float", "double"):
                     for where in ("device", "one core"):

@@ -76,7 +76,24 @@ class SameBytes(Devices):
         self.same("fractal", "t.obj", *LOW, "--grids", "surface,logmodulus,iterations,versor", outputs=("-o", ".vdb"))
 
     def test_of_a_picture_of_the_field(self):
-        self.same("render", "--field", "--map", "mandelbulb", "--size", "64x48", outputs=("-o", ".png"))
+        self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
+        low = ("--sdf-resolution", 28)
+        for options in (("--map", "mandelbulb"), ("--map", "mandelbulb", "--precision", "double", "--samples", 1), ("t.obj", *low),
+                        ("t.obj", *low, "--texture", "v.o3d", "--colour", "iterations"), ("--map", "cross", "--pair", "A"),
+                        ("t.obj", *low, "--map", "rational", "--texture", "v.o3d"), ("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2"),
+                        ("--map", "mandelbulb", "--eye=0.3,0.2,0.1", "--look-at", "1,1,1")):
+            with self.subTest(options=options):
+                self.same("render", "--field", *options, "--size", "64x48", outputs=("-o", ".png"))
+
+    def test_rays_of_a_picture_are_followed_together(self):
+        """The number of calls does not depend on the size of the picture, and the device follows nearly all rays to their ends."""
+        uses = [self.use("render", "--field", "--map", "mandelbulb", "--size", size, "-o", "a.png") for size in ("96x64", "288x192")]
+        for use, pixels in zip(uses, (96 * 64, 288 * 192)):
+            self.assertGreater(use["deviceRays"], pixels)
+            # Rays, and what is around their ends, in two rounds; the rest is the lattice of the shadows.
+            self.assertLess(use["deviceCalls"], 40)
+            self.assertGreater(use["deviceMostRays"], use["deviceRays"] / 3)
+        self.assertLessEqual(uses[1]["deviceCalls"], uses[0]["deviceCalls"] + 4)
 
     def test_of_tiles(self):
         self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", "here")
@@ -282,6 +299,38 @@ class FailingDevices(Devices):
         self.assertLessEqual(halved["deviceMostEdges"], 1024)
         self.assertEqual(halved["deviceEdges"], whole["deviceEdges"])
         self.here("full:64", "its memory cannot be had")
+
+    PICTURE = ("render", "--field", "--map", "mandelbulb", "--precision", "float", "--size", "48x32")
+
+    def picture(self, mode, **more):
+        """Makes the picture on a device that fails. @return what was said"""
+        self.ok(*self.PICTURE, "-o", "here.png")
+        said = self.ok(*self.PICTURE, "-o", "there.png", *ON, env=fake(mode), **more)
+        self.assertTrue(self.bytes("here.png") == self.bytes("there.png"), mode)
+        return said
+
+    def test_one_that_is_lost_while_it_follows_rays(self):
+        # Rays are followed and what is around their ends is evaluated, twice; each of these is one kernel.
+        kernels = self.use(*self.PICTURE, "-o", "there.png")["deviceKernels"]
+        for number in range(kernels - 3, kernels + 1):
+            with self.subTest(number=number):
+                self.assertIn("The processor goes on; the result is the same.", self.picture(f"lost:{number}"))
+
+    def test_one_whose_rays_are_wrong(self):
+        """What is read before the rays that try it is right: among the numbers of results, the last one that makes it fail there."""
+        said = next(said for said in map(lambda number: self.ok(*self.PICTURE, "-o", "there.png", *ON, env=fake(f"wrong:{number}")),
+                                         range(20, 8, -1)) if "other bits than the processor along rays" in said)
+        self.assertEqual(said.count("The processor goes on; the result is the same."), 1)
+        self.ok(*self.PICTURE, "-o", "here.png")
+        self.assertTrue(self.bytes("here.png") == self.bytes("there.png"))
+
+    def test_rays_without_doubles_and_with_little_memory(self):
+        self.assertNotIn("The processor", self.picture("singles"))
+        self.assertEqual(self.use(*self.PICTURE, "-o", "there.png", env=fake("singles"))["deviceRays"], 0)
+        self.assertNotIn("The processor", self.picture("full:16384"))
+        use = self.use(*self.PICTURE, "-o", "there.png", env=fake("full:16384"))
+        # A ray has 48 bytes.
+        self.assertTrue(0 < use["deviceMostRays"] <= 16384 // 48, use)
 
     def test_one_with_too_little_memory(self):
         self.here("small", "the field needs")

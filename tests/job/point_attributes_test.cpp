@@ -174,7 +174,9 @@ TEST_F(PointAttributesTest, ColoursAreTheRenderersAlbedo) {
                       .step = set.voxelSize / set.field.space.scale,
                       .normal = Vec3d(0, 0, -1)});
     }
-    const std::vector<FieldPoint> seen = fieldPoints(*set.field.evaluator, options, hits);
+    const FieldAround around = fieldAround(*set.field.evaluator, hits);
+    const std::vector<FieldPoint> seen =
+        fieldPoints(*set.field.evaluator, options, hits, around.field, around.iterations);
     Vec3d low(1), high(0);
     for (std::size_t i = 0; i < hits.size(); ++i)
       for (int c = 0; c < 3; ++c) {

@@ -10,6 +10,7 @@
 #include "julia/embedding.h"
 #include "julia/map.h"
 #include "julia/orbit.h"
+#include "julia/ray_march.h"
 
 #include <algorithm>
 #include <array>
@@ -110,6 +111,18 @@ class FieldEvaluator {
   /// tolerance of it. The result depends on the edge alone. @pre found.size() == edges.size()
   virtual void findCrossings(std::span<const CrossedEdge> edges, const SearchLattice& lattice,
                              std::span<double> found) const;
+
+  /// How many rays followRays() should get at a time; 0 if it leaves all of them to the caller.
+  virtual std::size_t preferredRays() const { return 0; }
+
+  /// Follows rays. The result for a ray depends on the ray alone, but for which of them are left to the caller.
+  virtual void followRays(const RayMarch& march, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const;
+
+  /// Evaluates as evaluate() the points centres[i] + distances[i] directions[k], whose number is i directions.size() +
+  /// k.
+  virtual void evaluateAround(std::span<const Point> centres, std::span<const double> distances,
+                              std::span<const Point> directions, std::span<double> field,
+                              std::span<int> iterations) const;
 };
 
 /// Makes the back end of the processor, which runs batches through the vector kernels in the type Real (float or

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a device evaluates a field.
+#include "device/device_rays.h"
+#include "device/field_check.h"
+#include "device/forwarding_evaluator.h"
+#include "device/in_pieces.h"
 #include "device/opencl_device.h"
-#include "device/same_bits.h"
-
-#include "julia/orbit_trace.h"
 
 #include "object_pool.h"
 #include "orbit_limits.h"
-#include "random_numbers.h"
 
 #include <algorithm>
 #include <array>
@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <utility>
 #include <variant>
@@ -24,23 +25,11 @@
 namespace julia::device {
 namespace {
 
-/// Points on which the device is tested: in the ball in which orbits begin, and more of them near its centre. Points
-/// outside the ball would test nothing, because the processor evaluates those.
-std::vector<Point> pointsToTry(double escapeRadius) {
-  constexpr std::size_t kCount = 4096;
-  std::vector<Point> points(kCount);
-  Random random(2);
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const double scale = i % 8 == 0 ? 0.57 * escapeRadius : i % 8 == 1 ? 1e-3 : i % 2 == 0 ? 1 : 0.5;
-    for (double& x : points[i]) x = scale * random.between(-1, 1);
-  }
-  points[0] = {0, 0, 0};
-  return points;
-}
-
 /// Whether the device of an evaluator has failed.
-class LosableEvaluator : public FieldEvaluator {
+class LosableEvaluator : public ForwardingEvaluator {
  public:
+  using ForwardingEvaluator::ForwardingEvaluator;
+  using ForwardingEvaluator::own;
   bool isLost() const { return mLost; }
 
  protected:
@@ -49,14 +38,14 @@ class LosableEvaluator : public FieldEvaluator {
 
 /// Evaluates a field of ProgramData in the type Real.
 template <class Real>
-class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
+class DeviceEvaluator final : public LosableEvaluator, public DeviceCalls {
  public:
   /// @param host  must outlive this until own() is called with it
   DeviceEvaluator(std::shared_ptr<const OpenClDevice> device, std::unique_ptr<const ProgramData> data,
                   const FieldEvaluator& host)
-      : mDevice(std::move(device)),
+      : LosableEvaluator(std::shared_ptr<const FieldEvaluator>(std::shared_ptr<const void>(), &host)),
+        mDevice(std::move(device)),
         mData(std::move(data)),
-        mHost(&host),
         mLevel(static_cast<Real>(mData->level)),
         mProgram(mDevice->program(mData->floats, mData->switches(mDevice->info().doubles), mData->texture)) {
     const OpenClDevice::Lane lane(*mDevice, mProgram, kFollow);
@@ -84,40 +73,26 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     mValues = lane.uploaded(values.data(), bytes);
   }
 
-  void own(std::unique_ptr<const FieldEvaluator> host) { mOwnedHost = std::move(host); }
-
-  /// Whether the device has the processor's bits at some thousand points of the field.
-  bool agrees() const {
-    const std::vector<Point> points = pointsToTry(mHost->describe().orbit.escapeRadius);
-    std::vector<double> here(points.size()), there(points.size());
-    std::vector<int> stepsHere(points.size()), stepsThere(points.size());
-    evaluateThere(points, there, stepsThere);
-    mHost->evaluate(points, here, stepsHere);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (!sameBits(here[i], there[i]) || stepsHere[i] != stepsThere[i]) return false;
-    return !searches() || agreesOnEdges(points, here);
-  }
-
   /// A call has a fixed cost, which so many nodes outweigh by far.
   std::size_t preferredNodes() const override { return mLost || !searches() ? 0 : std::size_t{1} << 22; }
 
   /// The nodes' coordinates are made on the device; signs are all that comes back.
   void evaluateSigns(const SearchLattice& lattice, std::span<SignBlock> blocks) const override {
-    if (!searches() || !isDone([&] { findSignsThere(lattice, blocks); })) mHost->evaluateSigns(lattice, blocks);
+    if (!searches() || !isDone([&] { findSignsThere(lattice, blocks); })) host().evaluateSigns(lattice, blocks);
   }
 
   void findNodeCrossings(std::span<const NodeEdge> edges, const SearchLattice& lattice,
                          std::span<double> found) const override {
     constexpr std::size_t kFew = 16;
-    if (edges.size() < kFew || !searches() || !isDone([&] { findNodesThere(edges, lattice, found); }))
-      mHost->findNodeCrossings(edges, lattice, found);
+    if (edges.size() < kFew || !searches() || !isDone([&] { findThere(edges, lattice, found); }))
+      host().findNodeCrossings(edges, lattice, found);
   }
 
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
     // A few points are evaluated faster than they are sent.
     constexpr std::size_t kFew = 64;
     if (points.size() < kFew || !isDone([&] { evaluateThere(points, field, iterations); }))
-      mHost->evaluate(points, field, iterations);
+      host().evaluate(points, field, iterations);
   }
 
   /// All rounds of the search in one call.
@@ -125,34 +100,73 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
                      std::span<double> found) const override {
     constexpr std::size_t kFew = 16;
     if (edges.size() < kFew || !searches()) return FieldEvaluator::findCrossings(edges, lattice, found);
-    if (!isDone([&] { findThere(edges, lattice, found); })) mHost->findCrossings(edges, lattice, found);
+    if (!isDone([&] { findThere(edges, lattice, found); })) host().findCrossings(edges, lattice, found);
+  }
+
+  std::size_t preferredRays() const override { return mLost || !searches() ? 0 : std::size_t{1} << 19; }
+
+  /// A device that cannot leaves all rays to the caller.
+  void followRays(const RayMarch& march, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const override {
+    const auto follow = [&] {
+      std::call_once(mRaysTried, [&] {
+        if (!agreesOnRays(*this, host())) throw DeviceFailure("it has other bits than the processor along rays");
+      });
+      followThere(march, rays, met);
+    };
+    if (!searches() || !isDone(follow)) FieldEvaluator::followRays(march, rays, met);
+  }
+
+  /// The points are made on the device.
+  void evaluateAround(std::span<const Point> centres, std::span<const double> distances,
+                      std::span<const Point> directions, std::span<double> field,
+                      std::span<int> iterations) const override {
+    constexpr std::size_t kFew = 16;
+    const auto evaluate = [&] { evaluateAroundThere(centres, distances, directions, field, iterations); };
+    if (centres.size() < kFew || directions.empty() || !searches() || !isDone(evaluate))
+      host().evaluateAround(centres, distances, directions, field, iterations);
   }
 
   /// A device is efficient only with many points at a time.
-  std::size_t preferredBatch() const override { return mLost ? mHost->preferredBatch() : std::size_t{1} << 16; }
-  FieldDescription describe() const override { return mHost->describe(); }
-  int dimension() const override { return mHost->dimension(); }
-  void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
-    mHost->versors(points, versors);
-  }
-  void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
-    mHost->orbitTraps(points, nearest);
-  }
-  void trace(std::span<const Point> points, const OrbitTrace& trace) const override {
-    traceOrbits(*mHost, points, trace);
-  }
-  void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
-    mHost->decide(centres, radius, out);
-  }
+  std::size_t preferredBatch() const override { return mLost ? host().preferredBatch() : std::size_t{1} << 16; }
   void evaluateBlocks(std::span<const NodeBlock> blocks) const override {
-    if (mLost) return mHost->evaluateBlocks(blocks);
+    if (mLost) return host().evaluateBlocks(blocks);
     FieldEvaluator::evaluateBlocks(blocks);
+  }
+
+  bool searches() const override { return mDevice->info().doubles; }
+
+  void evaluateThere(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
+    auto work = mWork.borrow();
+    inPieces(points.size(), kMostAtOnce, work, [&](std::size_t first, std::size_t count) {
+      evaluatePiece(*work, points.subspan(first, count), field.subspan(first, count),
+                    iterations.empty() ? iterations : iterations.subspan(first, count));
+    });
+  }
+
+  void findSignsThere(const SearchLattice& lattice, std::span<SignBlock> blocks) const override {
+    auto signs = mSigns.borrow();
+    inPieces(blocks.size(), kMostBlocks, signs, [&](std::size_t first, std::size_t count) {
+      findSignsOfPiece(*signs, lattice, blocks.subspan(first, count));
+    });
+  }
+
+  void findThere(std::span<const CrossedEdge> edges, const SearchLattice& lattice,
+                 std::span<double> found) const override {
+    findBy(mSearch, edges, lattice, found);
+  }
+  void findThere(std::span<const NodeEdge> edges, const SearchLattice& lattice,
+                 std::span<double> found) const override {
+    findBy(mNodeSearch, edges, lattice, found);
+  }
+  void followThere(const RayMarch& march, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const override {
+    mRays.follow(march, rays, met);
   }
 
  private:
   static constexpr const char* kFollow = "followOrbits";
   /// The largest numbers of points, edges and blocks of a call.
-  static constexpr std::size_t kMostAtOnce = std::size_t{1} << 20, kMostBlocks = std::size_t{1} << 17;
+  static constexpr std::size_t kMostAtOnce = std::size_t{1} << 20, kMostBlocks = std::size_t{1} << 17,
+                               kMostAround = std::size_t{1} << 23;
 
   /// The memory with which one thread evaluates points, kept between calls.
   struct Work {
@@ -162,6 +176,17 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     std::size_t capacity = 0;
     OpenClDevice::Memory points{}, ends{}, steps{};
     std::vector<Real> pointsHere{}, endsHere{};
+    std::vector<std::int32_t> stepsHere{};
+  };
+  /// The memory with which one thread evaluates points around others.
+  struct Around {
+    explicit Around(const DeviceEvaluator& of) : lane(*of.mDevice, of.mProgram, "followAround") { of.setShared(lane); }
+
+    OpenClDevice::Lane lane;
+    std::size_t capacity = 0, each = 0;
+    OpenClDevice::Memory centres{}, ends{}, steps{}, directions{};
+    std::vector<double> centresHere{}, directionsHere{};
+    std::vector<Real> endsHere{};
     std::vector<std::int32_t> stepsHere{};
   };
   /// The memory with which one thread searches edges.
@@ -206,8 +231,6 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     return {lattice.voxelSize, lattice.scale, lattice.centre[0], lattice.centre[1], lattice.centre[2]};
   }
 
-  bool searches() const { return mDevice->info().doubles; }
-
   /// Calls @a work. @return false if the device fails; it is not used again after that
   template <class Function>
   bool isDone(const Function& work) const {
@@ -223,88 +246,6 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     }
   }
 
-  /// Whether the device finds the places of the processor on edges whose first ends are @a points.
-  bool agreesOnEdges(std::span<const Point> points, std::span<const double> field) const {
-    constexpr double kVoxel = 1e-2;
-    const SearchLattice lattice{.voxelSize = kVoxel, .centre = {0.5, -0.25, 0}, .scale = 0.75};
-    std::vector<CrossedEdge> edges;
-    std::vector<Point> ends;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const int axis = static_cast<int>(i % 3);
-      const double at = points[i][static_cast<std::size_t>(axis)];
-      const double index = (at * lattice.scale + lattice.centre[static_cast<std::size_t>(axis)]) / kVoxel;
-      edges.push_back({points[i], axis, index, storedField(field[i]), 0});
-      ends.push_back(points[i]);
-      ends.back()[static_cast<std::size_t>(axis)] = lattice.at(index + 1, axis);
-    }
-    std::vector<double> atEnds(ends.size());
-    mHost->evaluate(ends, atEnds, {});
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      edges[i].to = storedField(atEnds[i]);
-      // For some edges, F at one end is known by its sign alone.
-      if (i % 4 == 0) (edges[i].to < 0 ? edges[i].from : edges[i].to) = static_cast<float>(kFieldLimit);
-      if ((field[i] < 0) != (atEnds[i] < 0)) edges[kept++] = edges[i];
-    }
-    edges.resize(kept);
-    std::vector<double> here(kept), there(kept);
-    findThere(edges, lattice, there);
-    mHost->findCrossings(edges, lattice, here);
-    if (!std::equal(here.begin(), here.end(), there.begin(), [](double a, double b) { return sameBits(a, b); }))
-      return false;
-    return agreesOnNodes(edges, lattice);
-  }
-
-  /// Whether the device finds the signs of the processor in blocks about these edges, and its places on edges between
-  /// their nodes.
-  bool agreesOnNodes(std::span<const CrossedEdge> edges, const SearchLattice& lattice) const {
-    constexpr std::size_t kBlocks = 4;
-    std::vector<SignBlock> here;
-    for (std::size_t i = 0; i < kBlocks; ++i) {
-      // Where there is no edge, blocks are as good anywhere.
-      const Point at =
-          edges.empty() ? Point{0.1 * static_cast<double>(i), 0, 0} : edges[i * edges.size() / kBlocks].begin;
-      SignBlock block;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        block.origin[axis] = static_cast<std::int32_t>(std::clamp(
-            std::floor((at[axis] * lattice.scale + lattice.centre[axis]) / lattice.voxelSize) - 4, -1e8, 1e8));
-      here.push_back(block);
-    }
-    std::vector<SignBlock> there = here;
-    findSignsThere(lattice, there);
-    mHost->evaluateSigns(lattice, here);
-    std::vector<NodeEdge> crossed;
-    for (std::size_t i = 0; i < here.size(); ++i) {
-      if (here[i].inside != there[i].inside) return false;
-      const auto isInside = [&](std::size_t x, std::size_t y, std::size_t z) {
-        return here[i].inside[x] >> (8 * y + z) & 1;
-      };
-      for (std::size_t x = 0; x < 7; ++x)
-        for (std::size_t node = 0; node < 64; ++node) {
-          const std::size_t y = node / 8, z = node % 8;
-          if (isInside(x, y, z) == isInside(x + 1, y, z)) continue;
-          NodeEdge edge{.node = here[i].origin, .axis = 0};
-          const std::size_t offset[3] = {x, y, z};
-          for (std::size_t axis = 0; axis < 3; ++axis) edge.node[axis] += static_cast<std::int32_t>(offset[axis]);
-          const auto limit = static_cast<float>(kFieldLimit);
-          edge.from = isInside(x, y, z) ? -limit : limit;
-          edge.to = -edge.from;
-          crossed.push_back(edge);
-        }
-    }
-    std::vector<double> placesHere(crossed.size()), placesThere(crossed.size());
-    findNodesThere(crossed, lattice, placesThere);
-    mHost->findNodeCrossings(crossed, lattice, placesHere);
-    return std::equal(placesHere.begin(), placesHere.end(), placesThere.begin(),
-                      [](double a, double b) { return sameBits(a, b); });
-  }
-
-  /// The number of points, edges or blocks for which memory is allocated if it has to hold @a count.
-  static std::size_t roomFor(std::size_t count) {
-    std::size_t capacity = 64;
-    while (capacity < count) capacity *= 2;
-    return capacity;
-  }
   /// The arguments 4 to 7, which kernels have in common. Number 3 is how many points or edges there are.
   void setShared(const OpenClDevice::Lane& lane) const {
     const cl_mem shared[] = {mNumbers.get(), mIntegers.get(), mPlaces.get(), mValues.get()};
@@ -321,6 +262,21 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     const cl_mem arguments[] = {work.points.get(), work.ends.get(), work.steps.get()};
     for (cl_uint k = 0; k < 3; ++k) work.lane.setArgument(k, arguments[k]);
     work.capacity = capacity;
+  }
+
+  void reserve(Around& around, std::size_t count, std::size_t each) const {
+    if (count <= around.capacity && each == around.each) return;
+    const std::size_t capacity = roomFor(count);
+    around.capacity = 0;
+    around.centres = around.lane.made(4 * (capacity / each + 1) * sizeof(double));
+    around.ends = around.lane.made(capacity * sizeof(Real));
+    around.steps = around.lane.made(capacity * sizeof(std::int32_t));
+    around.directions = around.lane.made(3 * each * sizeof(double));
+    const cl_mem arguments[] = {around.centres.get(), around.ends.get(), around.steps.get()};
+    for (cl_uint k = 0; k < 3; ++k) around.lane.setArgument(k, arguments[k]);
+    around.lane.setArgument(8, around.directions.get());
+    around.capacity = capacity;
+    around.each = each;
   }
 
   void reserve(Search& search, std::size_t count) const {
@@ -372,39 +328,6 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     signs.capacity = capacity;
   }
 
-  /// @throw DeviceFailure
-  void evaluateThere(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const {
-    auto work = mWork.borrow();
-    inPieces(points.size(), kMostAtOnce, work, [&](std::size_t first, std::size_t count) {
-      evaluatePiece(*work, points.subspan(first, count), field.subspan(first, count),
-                    iterations.empty() ? iterations : iterations.subspan(first, count));
-    });
-  }
-
-  /// Calls @a piece for one part after another, each as large as a device gets at a time. Parts for which it has no
-  /// memory are halved. @param loan  the memory of the host for it
-  template <class Loan, class Function>
-  static void inPieces(std::size_t size, std::size_t most, Loan& loan, const Function& piece) {
-    // A device that has no memory for so few has none at all.
-    constexpr std::size_t kFewest = 64;
-    try {
-      for (std::size_t first = 0; first < size;) {
-        const std::size_t count = std::min(most, size - first);
-        try {
-          piece(first, count);
-          first += count;
-        } catch (const DeviceIsFull&) {
-          if (count <= kFewest) throw;
-          loan->lane.forget();
-          most = count / 2;
-        }
-      }
-    } catch (const DeviceHangs&) {
-      keepUntilExit(loan.release());
-      throw;
-    }
-  }
-
   void evaluatePiece(Work& work, std::span<const Point> points, std::span<double> field,
                      std::span<int> iterations) const {
     const std::size_t count = points.size();
@@ -421,8 +344,15 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     work.lane.read(work.steps.get(), work.stepsHere.data(), count * sizeof(std::int32_t));
     work.lane.wait();
     mDevice->countPoints(count);
+    take(work, field, iterations, [&](std::size_t i) { return points[i]; });
+  }
+
+  /// Takes the ends of the orbits of points, and evaluates those that the device leaves to the processor.
+  /// @param pointAt  makes a point from its number
+  template <class AnyWork, class Function>
+  void take(const AnyWork& work, std::span<double> field, std::span<int> iterations, const Function& pointAt) const {
     std::vector<std::size_t> unusual;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < field.size(); ++i) {
       if (work.stepsHere[i] < 0) {
         unusual.push_back(i);
         continue;
@@ -430,15 +360,46 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
       field[i] = fieldOfEnd(work.endsHere[i], mLevel);
       if (!iterations.empty()) iterations[i] = work.stepsHere[i];
     }
-    evaluateHere(unusual, points, field, iterations);
+    evaluateHere(unusual, field, iterations, pointAt);
   }
 
   /// @throw DeviceFailure
-  void findSignsThere(const SearchLattice& lattice, std::span<SignBlock> blocks) const {
-    auto signs = mSigns.borrow();
-    inPieces(blocks.size(), kMostBlocks, signs, [&](std::size_t first, std::size_t count) {
-      findSignsOfPiece(*signs, lattice, blocks.subspan(first, count));
-    });
+  void evaluateAroundThere(std::span<const Point> centres, std::span<const double> distances,
+                           std::span<const Point> directions, std::span<double> field,
+                           std::span<int> iterations) const {
+    auto around = mAround.borrow();
+    const std::size_t each = directions.size();
+    inPieces(centres.size(), std::max<std::size_t>(1, kMostAround / each), around,
+             [&](std::size_t first, std::size_t count) {
+               evaluatePieceAround(*around, centres.subspan(first, count), distances.subspan(first, count), directions,
+                                   field.subspan(first * each, count * each),
+                                   iterations.empty() ? iterations : iterations.subspan(first * each, count * each));
+             });
+  }
+
+  void evaluatePieceAround(Around& around, std::span<const Point> centres, std::span<const double> distances,
+                           std::span<const Point> directions, std::span<double> field,
+                           std::span<int> iterations) const {
+    const std::size_t each = directions.size(), count = field.size();
+    reserve(around, count, each);
+    around.centresHere.clear();
+    for (std::size_t i = 0; i < centres.size(); ++i)
+      around.centresHere.insert(around.centresHere.end(), {centres[i][0], centres[i][1], centres[i][2], distances[i]});
+    around.directionsHere.clear();
+    for (const Point& x : directions) around.directionsHere.insert(around.directionsHere.end(), x.begin(), x.end());
+    around.endsHere.resize(count);
+    around.stepsHere.resize(count);
+    around.lane.write(around.centres.get(), around.centresHere.data(), 4 * centres.size() * sizeof(double));
+    around.lane.write(around.directions.get(), around.directionsHere.data(), 3 * each * sizeof(double));
+    around.lane.setArgument(3, static_cast<cl_uint>(count));
+    around.lane.setArgument(9, static_cast<cl_uint>(each));
+    around.lane.run(count);
+    around.lane.read(around.ends.get(), around.endsHere.data(), count * sizeof(Real));
+    around.lane.read(around.steps.get(), around.stepsHere.data(), count * sizeof(std::int32_t));
+    around.lane.wait();
+    mDevice->countPoints(count);
+    take(around, field, iterations,
+         [&](std::size_t i) { return pointAlong(centres[i / each], distances[i / each], directions[i % each]); });
   }
 
   void findSignsOfPiece(Signs& signs, const SearchLattice& lattice, std::span<SignBlock> blocks) const {
@@ -480,22 +441,28 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     }
     if (unusual.empty()) return;
     std::vector<double> field(points.size());
-    mHost->evaluate(points, field, {});
+    host().evaluate(points, field, {});
     for (std::size_t k = 0; k < unusual.size(); ++k)
       if (field[k] < 0) unusual[k].block->inside[unusual[k].x] |= std::uint64_t{1} << unusual[k].bit;
   }
 
-  /// @throw DeviceFailure
-  void findThere(std::span<const CrossedEdge> edges, const SearchLattice& lattice, std::span<double> found) const {
-    auto search = mSearch.borrow();
+  /// @param searches  the memory for edges of this kind
+  template <class AnySearch, class Edge>
+  void findBy(ObjectPool<AnySearch>& searches, std::span<const Edge> edges, const SearchLattice& lattice,
+              std::span<double> found) const {
+    auto search = searches.borrow();
     inPieces(edges.size(), kMostAtOnce, search, [&](std::size_t first, std::size_t count) {
       const auto some = edges.subspan(first, count);
       const auto places = found.subspan(first, count);
       findPiece(*search, some, lattice, places);
-      searchHere(some, places, [&](std::span<const CrossedEdge> left, std::span<double> to) {
-        mHost->findCrossings(left, lattice, to);
-      });
+      searchHere(some, lattice, places);
     });
+  }
+  void findHere(std::span<const CrossedEdge> edges, const SearchLattice& lattice, std::span<double> found) const {
+    host().findCrossings(edges, lattice, found);
+  }
+  void findHere(std::span<const NodeEdge> edges, const SearchLattice& lattice, std::span<double> found) const {
+    host().findNodeCrossings(edges, lattice, found);
   }
 
   void findPiece(Search& search, std::span<const CrossedEdge> edges, const SearchLattice& lattice,
@@ -514,19 +481,6 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
     search.lane.write(search.axes.get(), search.axesHere.data(), count * sizeof(std::int32_t));
     search.lane.write(search.lattice.get(), search.latticeHere.data(), search.latticeHere.size() * sizeof(double));
     runSearch(search, count, lattice, found);
-  }
-
-  /// @throw DeviceFailure
-  void findNodesThere(std::span<const NodeEdge> edges, const SearchLattice& lattice, std::span<double> found) const {
-    auto search = mNodeSearch.borrow();
-    inPieces(edges.size(), kMostAtOnce, search, [&](std::size_t first, std::size_t count) {
-      const auto some = edges.subspan(first, count);
-      const auto places = found.subspan(first, count);
-      findPiece(*search, some, lattice, places);
-      searchHere(some, places, [&](std::span<const NodeEdge> left, std::span<double> to) {
-        mHost->findNodeCrossings(left, lattice, to);
-      });
-    });
   }
 
   void findPiece(NodeSearch& search, std::span<const NodeEdge> edges, const SearchLattice& lattice,
@@ -567,28 +521,29 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
   }
 
   /// Searches the edges that the device leaves to the processor, whose places are below 0.
-  template <class Edge, class Function>
-  static void searchHere(std::span<const Edge> edges, std::span<double> found, const Function& search) {
+  template <class Edge>
+  void searchHere(std::span<const Edge> edges, const SearchLattice& lattice, std::span<double> found) const {
     std::vector<Edge> some;
     for (std::size_t i = 0; i < edges.size(); ++i)
       if (found[i] < 0) some.push_back(edges[i]);
     if (some.empty()) return;
     std::vector<double> places(some.size());
-    search(std::span<const Edge>(some), std::span<double>(places));
+    findHere(std::span<const Edge>(some), lattice, places);
     auto place = places.begin();
     for (double& one : found)
       if (one < 0) one = *place++;
   }
 
   /// Evaluates the points of a piece that the device leaves to the processor.
-  void evaluateHere(std::span<const std::size_t> numbers, std::span<const Point> points, std::span<double> field,
-                    std::span<int> iterations) const {
+  template <class Function>
+  void evaluateHere(std::span<const std::size_t> numbers, std::span<double> field, std::span<int> iterations,
+                    const Function& pointAt) const {
     if (numbers.empty()) return;
     std::vector<Point> some(numbers.size());
-    for (std::size_t i = 0; i < some.size(); ++i) some[i] = points[numbers[i]];
+    for (std::size_t i = 0; i < some.size(); ++i) some[i] = pointAt(numbers[i]);
     std::vector<double> values(some.size());
     std::vector<int> steps(some.size());
-    mHost->evaluate(some, values, steps);
+    host().evaluate(some, values, steps);
     for (std::size_t i = 0; i < some.size(); ++i) {
       field[numbers[i]] = values[i];
       if (!iterations.empty()) iterations[numbers[i]] = steps[i];
@@ -597,14 +552,15 @@ class DeviceEvaluator final : public LosableEvaluator, public OrbitTracer {
 
   std::shared_ptr<const OpenClDevice> mDevice;
   std::unique_ptr<const ProgramData> mData;
-  const FieldEvaluator* mHost;
-  std::unique_ptr<const FieldEvaluator> mOwnedHost;
   Real mLevel;
   std::shared_ptr<const OpenClDevice::Program> mProgram;
   OpenClDevice::Memory mNumbers, mIntegers, mPlaces, mValues;
   mutable ObjectPool<Work> mWork{[this] { return std::make_unique<Work>(*this); }};
   mutable ObjectPool<NodeSearch> mNodeSearch{[this] { return std::make_unique<NodeSearch>(*this); }};
   mutable ObjectPool<Signs> mSigns{[this] { return std::make_unique<Signs>(*this); }};
+  mutable ObjectPool<Around> mAround{[this] { return std::make_unique<Around>(*this); }};
+  mutable std::once_flag mRaysTried;
+  DeviceRays mRays{*mDevice, mProgram, [this](const OpenClDevice::Lane& lane) { setShared(lane); }};
   mutable ObjectPool<Search> mSearch{[this] { return std::make_unique<Search>(*this); }};
 };
 
@@ -627,7 +583,7 @@ std::unique_ptr<FieldEvaluator> OpenClDevice::evaluator(std::unique_ptr<FieldEva
   try {
     const auto make = [&]<class Real>(Real) -> std::unique_ptr<FieldEvaluator> {
       auto evaluator = std::make_unique<DeviceEvaluator<Real>>(shared_from_this(), std::move(data), *host);
-      if (!evaluator->agrees()) {
+      if (!agrees(*evaluator, *host)) {
         reason = "the device has other bits than the processor at some of the points that were tried";
         return nullptr;
       }

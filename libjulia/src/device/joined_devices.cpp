@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several devices that share the calls of an evaluator.
+#include "device/forwarding_evaluator.h"
 #include "julia/device/device.h"
-#include "julia/orbit_trace.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -17,46 +17,7 @@
 namespace julia {
 namespace {
 
-/// An evaluator that several others own.
-class SharedEvaluator final : public FieldEvaluator, public OrbitTracer {
- public:
-  explicit SharedEvaluator(std::shared_ptr<const FieldEvaluator> evaluator) : mEvaluator(std::move(evaluator)) {}
-
-  void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
-    mEvaluator->evaluate(points, field, iterations);
-  }
-  std::size_t preferredBatch() const override { return mEvaluator->preferredBatch(); }
-  FieldDescription describe() const override { return mEvaluator->describe(); }
-  int dimension() const override { return mEvaluator->dimension(); }
-  void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
-    mEvaluator->versors(points, versors);
-  }
-  void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
-    mEvaluator->orbitTraps(points, nearest);
-  }
-  void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
-    mEvaluator->decide(centres, radius, out);
-  }
-  void evaluateBlocks(std::span<const NodeBlock> blocks) const override { mEvaluator->evaluateBlocks(blocks); }
-  std::size_t preferredNodes() const override { return mEvaluator->preferredNodes(); }
-  void evaluateSigns(const SearchLattice& lattice, std::span<SignBlock> blocks) const override {
-    mEvaluator->evaluateSigns(lattice, blocks);
-  }
-  void findNodeCrossings(std::span<const NodeEdge> edges, const SearchLattice& lattice,
-                         std::span<double> found) const override {
-    mEvaluator->findNodeCrossings(edges, lattice, found);
-  }
-  void findCrossings(std::span<const CrossedEdge> edges, const SearchLattice& lattice,
-                     std::span<double> found) const override {
-    mEvaluator->findCrossings(edges, lattice, found);
-  }
-  void trace(std::span<const Point> points, const OrbitTrace& trace) const override {
-    traceOrbits(*mEvaluator, points, trace);
-  }
-
- private:
-  std::shared_ptr<const FieldEvaluator> mEvaluator;
-};
+using device::ForwardingEvaluator;
 
 /// An evaluator on a device.
 struct Part {
@@ -65,10 +26,10 @@ struct Part {
 };
 
 /// Gives each device a part of each call. All of them have the same bits.
-class JoinedEvaluator final : public FieldEvaluator, public OrbitTracer {
+class JoinedEvaluator final : public ForwardingEvaluator {
  public:
   JoinedEvaluator(std::shared_ptr<const FieldEvaluator> host, std::vector<Part> parts)
-      : mHost(std::move(host)), mParts(std::move(parts)) {}
+      : ForwardingEvaluator(std::move(host)), mParts(std::move(parts)) {}
 
   void evaluate(std::span<const Point> points, std::span<double> field, std::span<int> iterations) const override {
     constexpr std::size_t kFewest = 1 << 14;
@@ -95,40 +56,45 @@ class JoinedEvaluator final : public FieldEvaluator, public OrbitTracer {
       on.findCrossings(edges.subspan(first, count), lattice, found.subspan(first, count));
     });
   }
+  void followRays(const RayMarch& march, std::span<const MarchedRay> rays, std::span<RayMeeting> met) const override {
+    share(rays.size(), kFewestEdges, [&](const FieldEvaluator& on, std::size_t first, std::size_t count) {
+      on.followRays(march, rays.subspan(first, count), met.subspan(first, count));
+    });
+  }
+  void evaluateAround(std::span<const Point> centres, std::span<const double> distances,
+                      std::span<const Point> directions, std::span<double> field,
+                      std::span<int> iterations) const override {
+    const std::size_t each = directions.size();
+    share(centres.size(), kFewestEdges, [&](const FieldEvaluator& on, std::size_t first, std::size_t count) {
+      on.evaluateAround(centres.subspan(first, count), distances.subspan(first, count), directions,
+                        field.subspan(first * each, count * each),
+                        iterations.empty() ? iterations : iterations.subspan(first * each, count * each));
+    });
+  }
 
   /// Of all devices together.
   std::size_t preferredBatch() const override {
     std::size_t all = 0;
     for (const Part* part : working()) all += part->evaluator->preferredBatch();
-    return all > 0 ? all : mHost->preferredBatch();
+    return all > 0 ? all : host().preferredBatch();
   }
   std::size_t preferredNodes() const override {
     std::size_t all = 0;
     for (const Part* part : working()) all += part->evaluator->preferredNodes();
     return all;
   }
+  std::size_t preferredRays() const override {
+    std::size_t all = 0;
+    for (const Part* part : working()) all += part->evaluator->preferredRays();
+    return all;
+  }
   void evaluateBlocks(std::span<const NodeBlock> blocks) const override {
-    if (working().empty()) return mHost->evaluateBlocks(blocks);
+    if (working().empty()) return host().evaluateBlocks(blocks);
     FieldEvaluator::evaluateBlocks(blocks);
   }
 
-  FieldDescription describe() const override { return mHost->describe(); }
-  int dimension() const override { return mHost->dimension(); }
-  void versors(std::span<const Point> points, std::span<Quaternion<double>> versors) const override {
-    mHost->versors(points, versors);
-  }
-  void orbitTraps(std::span<const Point> points, std::span<double> nearest) const override {
-    mHost->orbitTraps(points, nearest);
-  }
-  void decide(std::span<const Point> centres, double radius, std::span<Decision> out) const override {
-    mHost->decide(centres, radius, out);
-  }
-  void trace(std::span<const Point> points, const OrbitTrace& trace) const override {
-    traceOrbits(*mHost, points, trace);
-  }
-
  private:
-  static constexpr std::size_t kFewestEdges = 1024;
+  static constexpr std::size_t kFewestEdges = 1024;  ///< or rays
 
   /// Those whose devices have not failed.
   std::vector<const Part*> working() const {
@@ -143,7 +109,7 @@ class JoinedEvaluator final : public FieldEvaluator, public OrbitTracer {
   template <class Work>
   void share(std::size_t size, std::size_t fewest, const Work& work) const {
     const std::vector<const Part*> parts = working();
-    if (parts.empty()) return work(*mHost, 0, size);
+    if (parts.empty()) return work(host(), 0, size);
     const std::size_t count = std::clamp<std::size_t>(size / fewest, 1, parts.size());
     const auto begin = [&](std::size_t k) { return size / count * k + std::min(size % count, k); };
     std::vector<std::exception_ptr> failures(count);
@@ -162,7 +128,6 @@ class JoinedEvaluator final : public FieldEvaluator, public OrbitTracer {
       if (failure) std::rethrow_exception(failure);
   }
 
-  std::shared_ptr<const FieldEvaluator> mHost;
   std::vector<Part> mParts;
 };
 
@@ -189,8 +154,10 @@ class JoinedDevices final : public Device {
       all.kernels += one.kernels;
       all.points += one.points;
       all.edges += one.edges;
+      all.rays += one.rays;
       all.mostPoints = std::max(all.mostPoints, one.mostPoints);
       all.mostEdges = std::max(all.mostEdges, one.mostEdges);
+      all.mostRays = std::max(all.mostRays, one.mostRays);
       all.bytesTo += one.bytesTo;
       all.bytesOfFields += one.bytesOfFields;
       all.bytesFrom += one.bytesFrom;
@@ -206,7 +173,7 @@ class JoinedDevices final : public Device {
     std::string reasons;
     for (const auto& device : mDevices) {
       std::string why;
-      auto evaluator = device->evaluator(std::make_unique<SharedEvaluator>(shared), why);
+      auto evaluator = device->evaluator(std::make_unique<ForwardingEvaluator>(shared), why);
       if (why.empty())
         parts.push_back({device, std::move(evaluator)});
       else if (reasons.find(why) == std::string::npos)
@@ -214,7 +181,7 @@ class JoinedDevices final : public Device {
     }
     if (parts.empty()) {
       reason = reasons;
-      return std::make_unique<SharedEvaluator>(shared);
+      return std::make_unique<ForwardingEvaluator>(shared);
     }
     if (!reasons.empty()) notify("Not all devices evaluate the field: " + reasons + ".");
     return std::make_unique<JoinedEvaluator>(shared, std::move(parts));

@@ -344,8 +344,9 @@ std::string OpenClDevice::Program::binary() const {
 
 OpenClDevice::Program::~Program() { mDevice.release(mProgram, mDevice.mCl.ReleaseProgram); }
 
-OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel)
-    : mDevice(device), mProgram(std::move(program)) {
+OpenClDevice::Lane::Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel,
+                         std::size_t fewestTogether)
+    : mDevice(device), mProgram(std::move(program)), mFewestTogether(fewestTogether), mTogether(fewestTogether) {
   const OpenClFunctions& cl = device.mCl;
   cl_int error = CL_SUCCESS;
   mQueue = cl.CreateCommandQueue(device.mContext, device.mDevice, 0, &error);
@@ -404,12 +405,12 @@ void OpenClDevice::Lane::wait() {
   const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
   // How many numbers take about half a second, as a power of two.
   constexpr double kSecondsOfKernel = 0.5;
-  if (mCount >= kFewestTogether) {
+  if (mCount >= mFewestTogether) {
     const double seconds = static_cast<double>(mTogether) / static_cast<double>(mCount) * waited.count();
     if (seconds > 2 * kSecondsOfKernel)
-      mTogether = std::max(mTogether / 2, kFewestTogether);
+      mTogether = std::max(mTogether / 2, mFewestTogether);
     else if (seconds < kSecondsOfKernel / 2)
-      mTogether = std::min(mTogether * 2, kMostTogether);
+      mTogether = std::min(mTogether * (seconds < kSecondsOfKernel / 16 ? 8 : 2), kMostTogether);
   }
   mCount = 0;
   mDevice.countUse([&](DeviceUse& use) {
@@ -482,6 +483,13 @@ void OpenClDevice::countPoints(std::size_t points) const {
   countUse([&](DeviceUse& use) {
     use.points += points;
     use.mostPoints = std::max<std::uint64_t>(use.mostPoints, points);
+  });
+}
+
+void OpenClDevice::countRays(std::size_t rays) const {
+  countUse([&](DeviceUse& use) {
+    use.rays += rays;
+    use.mostRays = std::max<std::uint64_t>(use.mostRays, rays);
   });
 }
 

@@ -103,7 +103,9 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
   /// A queue and a kernel with its arguments. One thread at a time uses it; its functions throw DeviceFailure.
   class Lane {
    public:
-    Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel);
+    /// @param fewestTogether  the numbers of a kernel at first, and on a slow device
+    Lane(const OpenClDevice& device, std::shared_ptr<const Program> program, const char* kernel,
+         std::size_t fewestTogether = kFewestTogether);
     Lane(const Lane&) = delete;
     ~Lane();
 
@@ -137,15 +139,16 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     std::shared_ptr<const Program> mProgram;
     cl_command_queue mQueue = nullptr;
     cl_kernel mKernel = nullptr;
-    std::vector<cl_event> mBegun;             ///< kernels and copies in their order, which have not been waited for
-    std::size_t mTogether = kFewestTogether;  ///< the numbers of a kernel
-    std::size_t mCount = 0;                   ///< the numbers of the kernels that were begun
+    std::vector<cl_event> mBegun;            ///< kernels and copies in their order, which have not been waited for
+    std::size_t mFewestTogether, mTogether;  ///< the numbers of a kernel, at least and now
+    std::size_t mCount = 0;                  ///< the numbers of the kernels that were begun
     static constexpr std::size_t kFewestTogether = std::size_t{1} << 16, kMostTogether = std::size_t{1} << 20;
   };
 
   /// Adds to the device's use.
   void countPoints(std::size_t points) const;
   void countEdges(std::size_t edges) const;
+  void countRays(std::size_t rays) const;
 
  private:
   /// Gives an object back to the driver by its own function, unless the device may still use it.

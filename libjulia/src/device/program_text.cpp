@@ -83,6 +83,8 @@ std::string words() {
   define(text, "FIELD_LIMIT", literal(kFieldLimit));
   define(text, "STORED_FIELD_LIMIT", literal(static_cast<float>(kFieldLimit)));
   define(text, "LEAST_STORED", literal(std::numeric_limits<float>::min()));
+  // Above this share of NEAR_SQUARED, a point has escaped, in whichever order squares are added.
+  define(text, "BEYOND_NEAR", literal(1 + 64 * std::numeric_limits<Real>::epsilon()));
   define(text, "MOST_OCTAVE", literal(static_cast<Real>(kMostOctave)));
   definePolynomial<Real>(text, "kAtan", I::kAtan);
   definePolynomial<Real>(text, "kSin", I::kSin);
@@ -150,6 +152,7 @@ std::string programText(bool floats, const std::string& texture) {
   text += textNamed("versors.cl");
   text += texture;
   text += textNamed("orbit.cl");
+  text += textNamed("rays.cl");
   return text;
 }
 

@@ -134,15 +134,12 @@ std::vector<double> trapRadii(const julia::FieldEvaluator& evaluator, std::span<
 
 std::vector<double> meanIterations(const julia::FieldEvaluator& evaluator, std::span<const julia::Point> points,
                                    double step) {
-  std::vector<julia::Point> around;
-  around.reserve(kNeighbours * points.size());
-  for (const julia::Point& point : points) addNeighbours({point[0], point[1], point[2]}, step, around);
-  std::vector<double> field(around.size());
-  std::vector<int> iterations(around.size());
-  evaluator.evaluate(around, field, iterations);
+  std::vector<double> field(kNeighbours * points.size());
+  std::vector<int> iterations(field.size());
+  evaluator.evaluateAround(points, std::vector<double>(points.size(), step), neighbourDirections(), field, iterations);
   std::vector<double> result;
   result.reserve(points.size());
-  for (std::size_t i = 0; i < around.size(); i += kNeighbours)
+  for (std::size_t i = 0; i < field.size(); i += kNeighbours)
     result.push_back(
         meanIterationsOutside(std::span(field).subspan(i, kNeighbours), std::span(iterations).subspan(i, kNeighbours)));
   return result;

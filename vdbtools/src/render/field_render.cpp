@@ -5,6 +5,7 @@
 #include "base/timed_part.h"
 #include "render/field_shading.h"
 #include "render/image_layers.h"
+#include "render/neighbourhood.h"
 #include "render/occupancy.h"
 #include "render/ray_steps.h"
 #include "render/shading.h"
@@ -15,12 +16,17 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 namespace vdbtools {
 namespace {
@@ -161,17 +167,31 @@ class Exposure {
     // The sequence starts slightly before the region, so that every position in the region is beyond its first member.
     constexpr double kBefore = 1 - 1e-9;
     mSteps.lay(kBefore * distanceTo(mRegion, mEye), farthest, monitor);
+    if (mEvaluator.preferredRays() > 0) prepareMarch();
   }
 
   FieldImage render() {
     preview::Layers layers(mOptions.width, mOptions.height, mOptions.passes);
     mMonitor.begin(PhaseKind::Render, tileCount());
-    inParallel(tileCount(), 1, mMonitor, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t tile = begin; tile < end && !mMonitor.cancelled(); ++tile) {
-        renderTile(tile, layers);
-        mMonitor.advance(1);
+    if (mEvaluator.preferredRays() > 0) {
+      // A device gets the rays of many tiles at a time.
+      const auto together = std::max<std::size_t>(1, mEvaluator.preferredRays() / raysOfTile());
+      std::vector<std::size_t> numbers;
+      for (std::size_t tile = 0; tile < tileCount() && !mMonitor.cancelled();) {
+        numbers.clear();
+        while (numbers.size() < together && tile < tileCount()) numbers.push_back(tile++);
+        renderTiles(numbers, layers);
+        mMonitor.advance(numbers.size());
       }
-    });
+      mMonitor.throwIfCancelled();
+    } else {
+      inParallel(tileCount(), 1, mMonitor, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t tile = begin; tile < end && !mMonitor.cancelled(); ++tile) {
+          renderTiles({&tile, 1}, layers);
+          mMonitor.advance(1);
+        }
+      });
+    }
     FieldImage image;
     static_cast<ShadedImage&>(image) = layers.take();
     image.rays = mRays;
@@ -190,8 +210,9 @@ class Exposure {
         // About one tile from each row of tiles, in unrelated columns.
         const std::size_t low = i * count / timed, high = (i + 1) * count / timed;
         const double place = std::numbers::phi * static_cast<double>(i);
-        renderTile(low + static_cast<std::size_t>((place - std::floor(place)) * static_cast<double>(high - low)),
-                   layers);
+        const std::size_t tile =
+            low + static_cast<std::size_t>((place - std::floor(place)) * static_cast<double>(high - low));
+        renderTiles({&tile, 1}, layers);
       }
     });
     return (cpuSeconds() - start) * static_cast<double>(count) / static_cast<double>(timed);
@@ -202,41 +223,136 @@ class Exposure {
     int left, top, width, height;
   };
 
-  /// The pixels of a tile, row by row.
-  using Pixels = std::vector<preview::Pixel>;
+  /// A tile while it is rendered.
+  struct TileWork {
+    Tile tile;
+    std::vector<preview::Pixel> pixels;  ///< row by row
+    std::vector<std::uint32_t> chosen;   ///< the pixels that are sampled
+    std::vector<Ray> rays;               ///< that have not ended
+    std::vector<Meeting> meetings;
+    std::size_t firstHit = 0;  ///< the number of its first hit among those of all tiles that are rendered together
+  };
 
   static std::size_t tilesAlong(int side) { return static_cast<std::size_t>((side + kTile - 1) / kTile); }
   std::size_t tileCount() const { return tilesAlong(mOptions.width) * tilesAlong(mOptions.height); }
 
+  std::size_t raysOfTile() const {
+    return static_cast<std::size_t>(kTile) * kTile * static_cast<std::size_t>(mSamples.usual());
+  }
+
+  /// Calls work(tile) for each tile, in parallel if there are several.
+  template <class Work>
+  void each(std::span<TileWork> tiles, const Work& work) const {
+    if (tiles.size() == 1) return work(tiles[0]);
+    inParallel(tiles.size(), 1, mMonitor, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) work(tiles[i]);
+    });
+  }
+
   /// @param number  number of the tile, row by row
-  void renderTile(std::size_t number, preview::Layers& layers) {
+  Tile tileOf(std::size_t number) const {
     const int left = static_cast<int>(number % tilesAlong(mOptions.width)) * kTile;
     const int top = static_cast<int>(number / tilesAlong(mOptions.width)) * kTile;
-    const Tile tile{left, top, std::min(kTile, mOptions.width - left), std::min(kTile, mOptions.height - top)};
-    Pixels pixels(std::size_t(tile.width) * std::size_t(tile.height));
-    std::vector<std::uint32_t> chosen(pixels.size());
-    std::iota(chosen.begin(), chosen.end(), 0U);
-    sample(tile, chosen, 0, mSamples.usual(), pixels);
-    std::erase_if(chosen, [&](std::uint32_t pixel) { return !pixels[pixel].isRough(); });
-    if (!chosen.empty()) sample(tile, chosen, mSamples.usual(), 2 * mSamples.usual(), pixels);
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const auto at = (std::size_t(tile.top) + i / std::size_t(tile.width)) * std::size_t(mOptions.width) +
-                      std::size_t(tile.left) + i % std::size_t(tile.width);
-      layers.set(at, pixels[i].shown(), mFrame.forward.dot(pixels[i].direction()) * mScale, openvdb::Mat3d::identity());
+    return {left, top, std::min(kTile, mOptions.width - left), std::min(kTile, mOptions.height - top)};
+  }
+
+  void renderTiles(std::span<const std::size_t> numbers, preview::Layers& layers) {
+    std::vector<TileWork> tiles(numbers.size());
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      tiles[i].tile = tileOf(numbers[i]);
+      tiles[i].pixels.resize(std::size_t(tiles[i].tile.width) * std::size_t(tiles[i].tile.height));
+      tiles[i].chosen.resize(tiles[i].pixels.size());
+      std::iota(tiles[i].chosen.begin(), tiles[i].chosen.end(), 0U);
+    }
+    sample(tiles, 0, mSamples.usual());
+    for (TileWork& work : tiles)
+      std::erase_if(work.chosen, [&](std::uint32_t pixel) { return !work.pixels[pixel].isRough(); });
+    const auto isSmooth = [](const TileWork& work) { return work.chosen.empty(); };
+    if (!std::all_of(tiles.begin(), tiles.end(), isSmooth)) sample(tiles, mSamples.usual(), 2 * mSamples.usual());
+    for (const TileWork& work : tiles) {
+      const Tile& tile = work.tile;
+      for (std::size_t i = 0; i < work.pixels.size(); ++i) {
+        const auto at = (std::size_t(tile.top) + i / std::size_t(tile.width)) * std::size_t(mOptions.width) +
+                        std::size_t(tile.left) + i % std::size_t(tile.width);
+        layers.set(at, work.pixels[i].shown(), mFrame.forward.dot(work.pixels[i].direction()) * mScale,
+                   openvdb::Mat3d::identity());
+      }
     }
   }
 
-  /// Adds the samples from @a begin to @a end to the chosen pixels of a tile.
-  void sample(const Tile& tile, const std::vector<std::uint32_t>& chosen, int begin, int end, Pixels& pixels) {
-    mRays += chosen.size() * static_cast<std::uint64_t>(end - begin);
-    std::vector<Meeting> meetings = march(raysOf(tile, chosen, begin, end));
-    bisect(meetings);
-    // The order of the meetings depends on when their rays ended, and the rounding of a sum depends on the order.
-    std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
-      return std::tie(a.ray.pixel, a.ray.sample) < std::tie(b.ray.pixel, b.ray.sample);
+  /// Adds the samples from @a begin to @a end to the chosen pixels of tiles.
+  void sample(std::span<TileWork> tiles, int begin, int end) {
+    each(tiles, [&](TileWork& work) {
+      mRays += work.chosen.size() * static_cast<std::uint64_t>(end - begin);
+      work.rays = raysOf(work.tile, work.chosen, begin, end);
+      work.meetings.clear();
+    });
+    if (mEvaluator.preferredRays() > 0) follow(tiles);
+    each(tiles, [&](TileWork& work) {
+      std::vector<Meeting> meetings = march(std::move(work.rays));
+      bisect(meetings);
+      meetings.insert(meetings.end(), work.meetings.begin(), work.meetings.end());
+      // The order of the meetings depends on when their rays ended, and the rounding of a sum depends on the order.
+      std::sort(meetings.begin(), meetings.end(), [](const Meeting& a, const Meeting& b) {
+        return std::tie(a.ray.pixel, a.ray.sample) < std::tie(b.ray.pixel, b.ray.sample);
+      });
+      work.meetings = std::move(meetings);
     });
     std::vector<FieldHit> hits;
-    hits.reserve(meetings.size());
+    for (TileWork& work : tiles) {
+      work.firstHit = hits.size();
+      addHits(work.meetings, hits);
+    }
+    const FieldAround around = fieldAround(mEvaluator, hits);
+    each(tiles, [&](TileWork& work) { shade(work, hits, around, begin, end); });
+  }
+
+  /// Has a device follow the rays of tiles, as march() and bisect() do it. Those that it leaves remain.
+  void follow(std::span<TileWork> tiles) {
+    std::vector<julia::MarchedRay> rays;
+    for (const TileWork& work : tiles)
+      for (const Ray& ray : work.rays)
+        rays.push_back({pointOf(ray.direction), ray.entering ? ray.t : ray.before, ray.t, ray.end});
+    std::vector<julia::RayMeeting> met(rays.size());
+    mEvaluator.followRays(mMarch, rays, met);
+    std::size_t number = 0;
+    std::uint64_t evaluations = 0;
+    for (TileWork& work : tiles) {
+      std::size_t kept = 0;
+      for (Ray& ray : work.rays) {
+        const julia::RayMeeting& meeting = met[number++];
+        evaluations += static_cast<std::uint64_t>(meeting.samples);
+        if (meeting.end == julia::RayEnd::Met)
+          work.meetings.push_back({ray, meeting.outside, meeting.inside, meeting.outside == meeting.inside});
+        if (meeting.end != julia::RayEnd::Left) continue;
+        ray.entering = meeting.outside == meeting.inside;
+        ray.before = meeting.outside;
+        ray.t = meeting.inside;
+        work.rays[kept++] = ray;
+      }
+      work.rays.resize(kept);
+    }
+    mEvaluations += evaluations;
+  }
+
+  /// Describes the rays of the picture for a device.
+  void prepareMarch() {
+    mMarch = {.eye = pointOf(mEye),
+              .alpha = mSteps.alpha(),
+              .epsilon = mSteps.epsilon(),
+              .delta = mSteps.delta(),
+              .members = mSteps.members(),
+              .bisections = kBisections};
+    if (!mOccupancy) return;
+    mOccupied = mOccupancy->bits();
+    mMarch.occupied = mOccupied;
+    for (int axis = 0; axis < 3; ++axis) mMarch.count[static_cast<std::size_t>(axis)] = mOccupancy->count()[axis];
+    mMarch.corner = pointOf(mOccupancy->origin());
+    mMarch.side = mOccupancy->cell();
+  }
+
+  void addHits(const std::vector<Meeting>& meetings, std::vector<FieldHit>& hits) const {
+    hits.reserve(hits.size() + meetings.size());
     for (const Meeting& m : meetings) {
       FieldHit hit{mEye + m.inside * m.ray.direction, m.ray.direction, mSteps.length(m.inside), std::nullopt};
       if (m.atEntry) {
@@ -249,12 +365,23 @@ class Exposure {
       }
       hits.push_back(hit);
     }
-    const std::vector<FieldPoint> points = fieldPoints(mEvaluator, mOptions, hits);
+  }
+
+  /// Adds to the pixels of a tile what its rays met.
+  void shade(TileWork& work, std::span<const FieldHit> allHits, const FieldAround& around, int begin, int end) const {
+    const Tile& tile = work.tile;
+    std::vector<preview::Pixel>& pixels = work.pixels;
+    const std::vector<Meeting>& meetings = work.meetings;
+    const std::span<const FieldHit> hits = allHits.subspan(work.firstHit, meetings.size());
+    const std::size_t first = kNeighbours * work.firstHit, count = kNeighbours * hits.size();
+    const std::vector<FieldPoint> points =
+        fieldPoints(mEvaluator, mOptions, hits, std::span(around.field).subspan(first, count),
+                    std::span(around.iterations).subspan(first, count));
     preview::Shader<ShadowProxy::Surface> shader(ShadowProxy::Surface(mShadows), mStage, mOptions.look,
                                                  mOptions.samples);
     const std::vector<double> traps = trapsAt(hits);
     std::size_t next = 0;
-    for (const std::uint32_t at : chosen) {
+    for (const std::uint32_t at : work.chosen) {
       const int x = tile.left + int(at) % tile.width, y = tile.top + int(at) / tile.width;
       const preview::PixelSequence sequence(x, y);
       for (int s = begin; s < end; ++s) {
@@ -383,7 +510,7 @@ class Exposure {
   }
 
   /// Empty unless requested.
-  std::vector<double> trapsAt(const std::vector<FieldHit>& hits) const {
+  std::vector<double> trapsAt(std::span<const FieldHit> hits) const {
     if (!mOptions.passes.contains(Pass::Trap)) return {};
     std::vector<julia::Point> points;
     for (const FieldHit& hit : hits) points.push_back(pointOf(hit.inside));
@@ -405,7 +532,9 @@ class Exposure {
   PixelSamples mSamples;
   const Occupancy* mOccupancy;
   const ShadowProxy& mShadows;
-  PreviewStage mStage{};  ///< fractal space
+  PreviewStage mStage{};     ///< fractal space
+  julia::RayMarch mMarch{};  ///< set if a device follows the rays
+  std::vector<std::uint32_t> mOccupied{};
   std::atomic<std::uint64_t> mRays{0}, mEvaluations{0};
 };
 

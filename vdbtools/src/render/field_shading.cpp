@@ -52,18 +52,11 @@ Neighbourhood look(std::span<const double> field, std::span<const int> iteration
   return result;
 }
 
-std::vector<Neighbourhood> neighbourhoods(const julia::FieldEvaluator& evaluator, double escapeRadius,
-                                          std::span<const FieldHit> hits) {
-  std::vector<julia::Point> points;
-  points.reserve(kNeighbours * hits.size());
-  for (const FieldHit& hit : hits) addNeighbours(hit.inside, hit.step, points);
-  std::vector<double> field(points.size());
-  std::vector<int> iterations(points.size());
-  evaluator.evaluate(points, field, iterations);
+std::vector<Neighbourhood> neighbourhoods(double escapeRadius, std::span<const double> field,
+                                          std::span<const int> iterations) {
   std::vector<Neighbourhood> result;
-  for (std::size_t i = 0; i < points.size(); i += kNeighbours)
-    result.push_back(
-        look(std::span(field).subspan(i, kNeighbours), std::span(iterations).subspan(i, kNeighbours), escapeRadius));
+  for (std::size_t i = 0; i < field.size(); i += kNeighbours)
+    result.push_back(look(field.subspan(i, kNeighbours), iterations.subspan(i, kNeighbours), escapeRadius));
   return result;
 }
 
@@ -79,9 +72,22 @@ std::vector<Vec3d> colours(const julia::FieldEvaluator& evaluator, const FieldRe
 
 }  // namespace
 
+FieldAround fieldAround(const julia::FieldEvaluator& evaluator, std::span<const FieldHit> hits) {
+  std::vector<julia::Point> centres;
+  std::vector<double> distances;
+  for (const FieldHit& hit : hits) {
+    centres.push_back({hit.inside[0], hit.inside[1], hit.inside[2]});
+    distances.push_back(hit.step);
+  }
+  FieldAround around{std::vector<double>(kNeighbours * hits.size()), std::vector<int>(kNeighbours * hits.size())};
+  evaluator.evaluateAround(centres, distances, neighbourDirections(), around.field, around.iterations);
+  return around;
+}
+
 std::vector<FieldPoint> fieldPoints(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options,
-                                    std::span<const FieldHit> hits) {
-  const std::vector<Neighbourhood> around = neighbourhoods(evaluator, options.orbit.escapeRadius, hits);
+                                    std::span<const FieldHit> hits, std::span<const double> field,
+                                    std::span<const int> iterations) {
+  const std::vector<Neighbourhood> around = neighbourhoods(options.orbit.escapeRadius, field, iterations);
   std::vector<Vec3d> albedo;
   if (options.colour.by != FieldColour::Clay) albedo = colours(evaluator, options, hits, around);
   std::vector<FieldPoint> result(hits.size());

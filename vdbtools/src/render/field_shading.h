@@ -27,7 +27,16 @@ struct FieldPoint {
   std::optional<openvdb::Vec3d> albedo;  ///< linear RGB; empty: the material's
 };
 
+/// What the field is around hits: kNeighbours numbers for each of them (neighbourhood.h).
+struct FieldAround {
+  std::vector<double> field;
+  std::vector<int> iterations;
+};
+FieldAround fieldAround(const julia::FieldEvaluator& evaluator, std::span<const FieldHit> hits);
+
+/// @param field, iterations  what the field is around these hits
 std::vector<FieldPoint> fieldPoints(const julia::FieldEvaluator& evaluator, const FieldRenderOptions& options,
-                                    std::span<const FieldHit> hits);
+                                    std::span<const FieldHit> hits, std::span<const double> field,
+                                    std::span<const int> iterations);
 
 }  // namespace vdbtools

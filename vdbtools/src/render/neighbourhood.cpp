@@ -18,13 +18,17 @@ const std::array<Vec3d, kAxes>& neighbourAxes() {
   return all;
 }
 
-void addNeighbours(const Vec3d& x, double step, std::vector<julia::Point>& points) {
-  for (const Vec3d& axis : neighbourAxes()) {
-    for (const double along : {step, -step}) {
-      const Vec3d at = x + along * axis;
-      points.push_back({at[0], at[1], at[2]});
+const std::array<julia::Point, kNeighbours>& neighbourDirections() {
+  static const std::array<julia::Point, kNeighbours> all = [] {
+    std::array<julia::Point, kNeighbours> result;
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      const Vec3d& axis = neighbourAxes()[k];
+      result[2 * k] = {axis[0], axis[1], axis[2]};
+      result[2 * k + 1] = {-axis[0], -axis[1], -axis[2]};
     }
-  }
+    return result;
+  }();
+  return all;
 }
 
 double meanIterationsOutside(std::span<const double> field, std::span<const int> iterations) {

@@ -21,8 +21,8 @@ inline constexpr std::size_t kAxes = 13, kNeighbours = 2 * kAxes;
 /// The axes, of length 1.
 const std::array<openvdb::Vec3d, kAxes>& neighbourAxes();
 
-/// Adds the points at the distance @a step before and behind @a x along each axis, in turn.
-void addNeighbours(const openvdb::Vec3d& x, double step, std::vector<julia::Point>& points);
+/// Each axis, and then the opposite direction, in turn.
+const std::array<julia::Point, kNeighbours>& neighbourDirections();
 
 /// The mean over those neighbours of one point that are outside; 0 if none is. Both spans have length kNeighbours.
 double meanIterationsOutside(std::span<const double> field, std::span<const int> iterations);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -70,6 +71,27 @@ Occupancy::Occupancy(const julia::FieldEvaluator& evaluator, const openvdb::BBox
     corners = std::move(next);
   }
   mCells.prune();
+}
+
+std::vector<std::uint32_t> Occupancy::bits() const {
+  const auto place = [&](int x, int y, int z) {
+    return (static_cast<std::size_t>(x) * static_cast<std::size_t>(mCount[1]) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(mCount[2]) +
+           static_cast<std::size_t>(z);
+  };
+  std::vector<std::uint32_t> bits(place(mCount[0], 0, 0) / 32 + 1);
+  const CoordBBox inside(Coord(0), mCount.offsetBy(-1));
+  for (auto value = mCells.cbeginValueOn(); value; ++value) {
+    CoordBBox box = value.getBoundingBox();
+    box.intersect(inside);
+    for (int x = box.min()[0]; x <= box.max()[0]; ++x)
+      for (int y = box.min()[1]; y <= box.max()[1]; ++y)
+        for (int z = box.min()[2]; z <= box.max()[2]; ++z) {
+          const std::size_t n = place(x, y, z);
+          bits[n / 32] |= std::uint32_t{1} << n % 32;
+        }
+  }
+  return bits;
 }
 
 Occupancy::Walker::Span Occupancy::Walker::at(const Vec3d& eye, const Vec3d& direction, double t) {

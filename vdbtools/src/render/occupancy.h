@@ -8,6 +8,9 @@
 
 #include "julia/evaluator.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace vdbtools {
 
 /// All in fractal space.
@@ -20,6 +23,10 @@ class Occupancy {
   double cell() const { return mCell; }            ///< the side of a cube
   /// Whether the set may be in a cube.
   bool holds(const openvdb::Coord& cube) const { return mCells.isValueOn(cube); }
+
+  /// For devices, as julia::RayMarch::occupied.
+  std::vector<std::uint32_t> bits() const;
+  const openvdb::Vec3d& origin() const { return mOrigin; }
 
   /// For use by one thread.
   class Walker {

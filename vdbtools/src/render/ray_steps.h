@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace vdbtools {
@@ -23,6 +24,12 @@ class RaySteps {
       : mAlpha(clarity.alpha.value_or(pixel * elementary::pow(distance, 1 - clarity.delta))),
         mDelta(clarity.delta),
         mEpsilon(clarity.epsilon) {}
+
+  double alpha() const { return mAlpha; }
+  int delta() const { return mDelta; }
+  double epsilon() const { return mEpsilon; }
+  /// The members that are stored, in their order; the first one is the sequence's first.
+  std::span<const double> members() const { return mKept; }
 
   double length(double t) const {
     const double power = mDelta == 1 ? t : mDelta == 0 ? 1 : t * t;

@@ -37,10 +37,12 @@ struct DeviceInfo {
 struct DeviceUse {
   std::uint64_t calls = 0;       ///< how often the host waited for results
   std::uint64_t kernels = 0;     ///< how many kernels were started; those of one call follow each other without a wait
-  std::uint64_t points = 0;      ///< at which F was evaluated, other than in searches
+  std::uint64_t points = 0;      ///< at which F was evaluated, other than in searches and along rays
   std::uint64_t edges = 0;       ///< that were searched
+  std::uint64_t rays = 0;        ///< that were followed
   std::uint64_t mostPoints = 0;  ///< of a call
   std::uint64_t mostEdges = 0;   ///< of a call
+  std::uint64_t mostRays = 0;    ///< of a call
   std::uint64_t bytesTo = 0;     ///< that were copied to the device, other than those of fields
   std::uint64_t bytesOfFields = 0;  ///< of the fields' own numbers, which are copied once: roots, waves, bricks
   std::uint64_t bytesFrom = 0;      ///< that were copied from it
