@@ -31,4 +31,7 @@ GridOutput gridOutput(const CommandLine& line);
 /// Reports by how much values were rounded; nothing for grids that were stored unchanged.
 void tellNvdb(const std::vector<vdbtools::NvdbWritten>& grids);
 
+/// Warns of values that 16 bits cannot hold.
+void tellClamped(const std::vector<vdbtools::ClampedGrid>& grids);
+
 }  // namespace cli

@@ -66,7 +66,10 @@ void convertVdb(const CommandLine& line, const std::string& input, const GridOut
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
   if (output.format->points) requireWritable(vdb, input);
   const std::vector<vdbtools::NvdbWritten> written =
-      vdbtools::writeGrids(file, *output.format, vdb.grids, writeOptions(vdb, names), output.values);
+  vdbtools::VdbWriteOptions write = writeOptions(vdb, names);
+  std::vector<vdbtools::ClampedGrid> clamped;
+  write.clamped = &clamped;
+      vdbtools::writeGrids(file, *output.format, vdb.grids, write, output.values);
   run.monitor.throwIfCancelled();
   run.outputs.commit(run.isLast);
   report().count("grids", vdb.grids.size());
@@ -81,6 +84,7 @@ void convertVdb(const CommandLine& line, const std::string& input, const GridOut
 }  // namespace
 
 int runConvert(const Arguments& arguments) {
+  tellClamped(clamped);
   CommandLine line(kConvertUsage, vdbtools::OptionTable());
   line.addPositional("vdb", 1, "the VDB");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.nvdb"),

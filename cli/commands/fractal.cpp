@@ -182,6 +182,7 @@ FractalCounts makeFractal(const CommandLine& line, const FractalRun& run, const 
   if (wantMesh) report().text() << ", " << result.mesh.triangles << " triangles";
   report().text() << '\n';
   tellNvdb(nvdb);
+  tellClamped(result.clamped);
   const std::vector<vdbtools::VertexColumn> columns = vdbtools::meshColumns(options.output.attributes);
   for (const vdbtools::FractalFile& file : files.files) noteLeftOut(file.file->target(), columns);
   if (scene.target)

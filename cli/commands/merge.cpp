@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "grid_file.h"
 #include "interruption.h"
 #include "merge_request.h"
 #include "options.h"
@@ -63,6 +64,7 @@ int runMerge(const Arguments& arguments) {
   if (result.islands)
     report().text() << ", " << result.islands->keptIslands << " of " << result.islands->islands << " islands kept";
   report().text() << '\n';
+  tellClamped(result.clamped);
   const std::vector<vdbtools::VertexColumn> columns =
       vdbtools::meshColumns(vdbtools::parseFractalOptions(manifest.recipe).output.attributes);
   for (const std::optional<std::filesystem::path>& file : {options.grids, options.mesh})

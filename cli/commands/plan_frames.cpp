@@ -85,8 +85,9 @@ void chooseForAllFrames(const CommandLine& line, vdbtools::farm::FrameRecipes& a
 int runPlanFrames(const Arguments& arguments) {
   CommandLine line(kPlanFramesUsage, vdbtools::fractalOptionTable());
   addVariantOptions(line);
-  line.addOptions()("frames", po::value<std::string>()->value_name("LIST"),
-                    "the frames: a list of numbers and ranges such as 7, 1-48, -5-5, or 1-48x2 for every second one");
+  line.addOptions()(
+      "frames", po::value<std::string>()->value_name("LIST"),
+      "the frames: a list of numbers and ranges such as 7, 1-48, -5-5, or 1-48x2 or 1-48:2 for every second one");
   addKeyOptions(line);
   addSearchOption(line);
   if (!line.parse(arguments)) return kDone;

@@ -171,6 +171,14 @@ void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& o
     text << '\n';
   }
   if (options.flatBase) text << "it stands on a base of " << vdbtools::shortText(part.baseArea) << " mm2\n";
+  if (part.smallBase) {
+    text << "warning: a base of " << vdbtools::shortText(part.baseArea)
+         << " mm2 is small for a part of this size, which may come off or fall over";
+    if (part.betterBase)
+      text << "; --flat-base " << vdbtools::shortText(*part.betterBase, vdbtools::Rounding::Up)
+           << " gives one that is large enough";
+    text << '\n';
+  }
   const double asked = options.minThickness.value_or(1);
   const bool capped = part.thinnest > 1.9 * asked;
   text << "the thinnest place found is " << (capped ? "more than " : "") << vdbtools::shortText(part.thinnest)

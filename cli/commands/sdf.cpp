@@ -49,6 +49,8 @@ void writeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const Fra
   vdbtools::VdbWriteOptions write = vdbtools::vdbWriteOptions(options.axes, std::move(metadata));
   write.half = options.half;
   write.names = options.gridNames;
+  std::vector<vdbtools::ClampedGrid> clamped;
+  write.clamped = &clamped;
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
   const std::vector<vdbtools::NvdbWritten> written =
       vdbtools::writeGrids(file, *output.format, {result.grid}, write, output.values);
@@ -59,6 +61,7 @@ void writeSdf(const CommandLine& line, const vdbtools::Recipe& recipe, const Fra
   report().text() << "wrote " << run.outputs.names() << ": " << result.grid->activeVoxelCount() << " voxels of "
                   << vdbtools::shortText(result.grid->voxelSize()[0]) << '\n';
   tellNvdb(written);
+  tellClamped(clamped);
   if (result.caps > 0)
     report().text() << "repaired: " << result.caps << (result.caps == 1 ? " hole" : " holes") << " of up to "
                     << vdbtools::shortText(*result.closedGap, vdbtools::Rounding::Up)

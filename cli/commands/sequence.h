@@ -22,7 +22,8 @@ class Outputs;
 
 /// The help on --frames, after what each frame is.
 inline constexpr const char* kFramesHelp =
-    "a sequence: a list of numbers and ranges such as 7, 1-48, -5-5, or 1-48x2 for every second one. Names such as "
+    "a sequence: a list of numbers and ranges such as 7, 1-48, -5-5, or 1-48x2 or 1-48:2 for every second one. Names "
+    "such as "
     "in.####.obj and out.$F4.vdb have a place for the frame, and outputs need one; what has none is the same in all "
     "frames";
 

@@ -15,6 +15,7 @@
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -55,6 +56,18 @@ std::string stackText(const vdbtools::SliceStack& stack, const StackOptions& opt
   return std::move(text).str();
 }
 
+/// Readers of stacks take all files with numbers, so a layer of an earlier and higher stack would be one of this stack.
+/// @param next  the name of a layer after the last
+/// @throw std::invalid_argument  there is such a file
+void requireEnd(const std::string& next, int layers) {
+  std::error_code error;
+  if (!std::filesystem::exists(next, error)) return;
+  throw std::invalid_argument(
+      "'" + vdbtools::inOneLine(next) + "' exists, and this stack has " + std::to_string(layers) +
+      " layers, so it would be taken for another one; remove the layers of the earlier stack, or "
+      "choose another name");
+}
+
 }  // namespace
 
 void addStackOptions(CommandLine& line) {
@@ -87,6 +100,9 @@ StackWriter::StackWriter(const CommandLine& line, vdbtools::InputFiles inputs, S
   if (extension != ".png" && extension != ".tif" && extension != ".tiff")
     line.refuse("output", "a name that ends with .png or .tif, with --stack");
   requireFramePlaces(line, mInputs, kStackOutput, std::vector<int>{1});
+  // Claims the first layer and the text for a moment.
+  Outputs(line, mInputs, 1).add("output", line.text("output"), ".png .tif .tiff");
+  Outputs(line, mInputs).add("output", mText, ".txt");
 }
 
 void StackWriter::write(const PlanePlacement& placement, const openvdb::BBoxd& box, const std::string& values,
@@ -95,6 +111,7 @@ void StackWriter::write(const PlanePlacement& placement, const openvdb::BBoxd& b
   std::vector<int> layers(static_cast<std::size_t>(stack.count()));
   std::iota(layers.begin(), layers.end(), 1);
   requireFramePlaces(mLine, mInputs, kStackOutput, layers);
+  requireEnd(vdbtools::expandFrame(mLine.text("output"), stack.count() + 1), stack.count());
   // The text is written last, so an interrupted stack has none.
   Outputs text(mLine, mInputs);
   std::ostream& lines = text.add("output", mText, ".txt").stream();

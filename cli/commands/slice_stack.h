@@ -36,11 +36,13 @@ class StackWriter {
  public:
   /// @param inputs  the files that are read in addition to CommandLine::inputs()
   /// @throw std::invalid_argument  the extension is neither .png nor .tif, or the text beside the layers is an input
+  /// @throw vdbtools::CreateError  no file can be created in the folder
   StackWriter(const CommandLine& line, vdbtools::InputFiles inputs, StackOptions options);
 
   /// @param box     world units
   /// @param values  the meaning of the numbers, for the text
   /// @param unit    of the coordinates, if it is known
+  /// @throw std::invalid_argument  there are layers of an earlier stack beyond the last of this one
   /// @throw vdbtools::IoError, vdbtools::Interrupted  the layers written before stay
   void write(const PlanePlacement& placement, const openvdb::BBoxd& box, const std::string& values,
              std::optional<vdbtools::LengthUnit> unit, const LayerMaker& make);

@@ -20,11 +20,13 @@ the map: it returns the next iterates, (n, 4).
 While a call works, other threads run. progress=FUNCTION is called in the calling thread with the name of a phase and
 the share of it that is done, from 0 to 1, or None where that is not known; where it returns False, the work is
 cancelled as by Ctrl-C, which is a KeyboardInterrupt. memory="16G" says how much memory the process may take for that
-work, and for all that is made of its result: work that is known to need more is refused. Errors say the same as those
+work, and for all that is made of its result: work that is known to need more is refused. threads= is the greatest number
+of threads that a call takes, and None takes all. device= is a choice as that of use_device(), for the call and all that is
+made of its result; calls with a device wait for each other. The results are the same, to the bit. Errors say the same as those
 of the command: ValueError for options, DataError (a ValueError) for targets that cannot be used, FileNotFoundError,
 OSError for files that cannot be read to their end or written, and MemoryError.
 """
-import os
+import os as _os
 
 from . import _juliavdb, _options, _target, fitting
 from ._field import Field, Orbit
@@ -37,6 +39,7 @@ __all__ = ["DataError", "Field", "Fit", "Fractal", "Grid", "Orbit", "devices", "
 __version__ = _juliavdb.version
 for _function in (dimension, sdf, slice, study):
     _function.__module__ = "juliavdb"
+del _function
 Field.__module__ = Grid.__module__ = Fit.__module__ = Fractal.__module__ = Orbit.__module__ = "juliavdb"
 
 
@@ -61,7 +64,7 @@ def trust_importer(trusted=True):
 
 
 @_options.documented(_options.FRACTAL)
-def fractal(vertices=None, faces=None, *, progress=None, memory=None, **options):
+def fractal(vertices=None, faces=None, *, progress=None, memory=None, threads=None, device=None, **options):
     """Makes a fractal in the shape of a target, and returns it as a Fractal.
 
     The target is the name of a file, or two arrays, vertices (n, 3) and faces (m, 3), or with points_radius vertices
@@ -69,7 +72,8 @@ def fractal(vertices=None, faces=None, *, progress=None, memory=None, **options)
     own, such as map="mandelbulb", needs none. The grids that grids= names are made at once; without it they are made
     when the first VDB is written, which takes as long again, but for the target's distances.
     """
-    made = _target.scene(vertices, faces, progress, memory, options).fractal(options.get("grids") is not None, progress)
+    scene = _target.scene(vertices, faces, progress, (memory, threads, device), options)
+    made = scene.fractal(options.get("grids") is not None, progress, threads)
     made._given = vertices, faces, memory, options
     return made
 
@@ -83,34 +87,34 @@ def _reduce_fractal(self):
     return _made_again, self._given
 
 
-
 @_options.documented(_options.FRACTAL, _options.VIEW)
-def render(vertices=None, faces=None, *, progress=None, memory=None, **options):
+def render(vertices=None, faces=None, *, progress=None, memory=None, threads=None, device=None, **options):
     """Makes a picture of the set itself, as 'juliavdb render --field' does: an array (height, width, 3) of uint8.
 
     It is finer than any voxels, and there is no mesh made for it. The target is the same as that of fractal().
     """
     view = {name: options.pop(name) for name in list(options) if name in _options.VIEW}
     _juliavdb.check_view(_options.recipe(view))
-    return _target.scene(vertices, faces, progress, memory, options).render(_options.recipe(view), progress)
+    scene = _target.scene(vertices, faces, progress, (memory, threads, device), options)
+    return scene.render(_options.recipe(view), progress, threads)
 
 
 @_options.documented(_options.FIT)
-def fit(vertices=None, faces=None, *, progress=None, memory=None, **options):
+def fit(vertices=None, faces=None, *, progress=None, memory=None, threads=None, **options):
     """Finds a rational map in the shape of a target, as 'juliavdb fit' does, and returns it as a Fit.
 
     Written to shape.json, it is a map for fractal(map="rational", rational="shape.json").
     """
-    return Fit(*_target.given(vertices, faces, options), memory, progress)
+    return Fit(*_target.given(vertices, faces, options), (memory, threads, None), progress)
 
 
-def _write(self, *paths, progress=None):
+def _write(self, *paths, progress=None, threads=None):
     """Writes files that all appear together, whole or not at all. Their extensions say what they hold, as in the command: grids
     (-o, such as .vdb and .nvdb) or the mesh (--mesh, such as .ply and .glb).
 
     Where the target was a file, they have the same bytes as those that the command writes.
     """
-    self._write([os.fspath(path) for path in paths], progress)
+    self._write([_os.fspath(path) for path in paths], progress, threads)
 
 
 def _to_meshio(self):
@@ -121,6 +125,18 @@ def _to_meshio(self):
     return meshio.Mesh(self.vertices, [("triangle", self.faces)], point_data=dict(self.attributes))
 
 
+def _fractal_text(self):
+    info = self.info
+    return f"<juliavdb.Fractal of {_target.named(info['recipe'])}: {info['vertices']} vertices, {info['triangles']} triangles>"
+
+
+def _fit_text(self):
+    info = self.info
+    return (f"<juliavdb.Fit of {_target.named(info['recipe'])}: {info['top_roots']} and {info['bottom_roots']} roots, "
+            f"IoU {info['iou']:.3f}>")
+
+
+Fractal.__repr__, Fit.__repr__ = _fractal_text, _fit_text
 Fractal.__reduce__ = _reduce_fractal
 Fractal.__copy__ = lambda self: self
 Fractal.__deepcopy__ = lambda self, memo: self
@@ -132,7 +148,7 @@ Fractal.write = _write
 
 def _write_fit(self, path, *, progress=None):
     """Writes the map, whole or not at all: .json or .o3d, by its extension."""
-    self._write(os.fspath(path), progress)
+    self._write(_os.fspath(path), progress)
 
 
 _write_fit.__name__, _write_fit.__qualname__ = "write", "Fit.write"

@@ -29,14 +29,17 @@ class Field:
     """
 
     @_options.documented(_options.FRACTAL)
-    def __init__(self, vertices=None, faces=None, *, progress=None, memory=None, **options):
+    def __init__(self, vertices=None, faces=None, *, progress=None, memory=None, threads=None, device=None, **options):
         """Prepares the field. The target and the options are the same as those of fractal()."""
         self._given = vertices, faces, memory, options
-        self._scene = _target.scene(vertices, faces, progress, memory, options)
+        self._scene = _target.scene(vertices, faces, progress, (memory, threads, device), options)
 
     def __reduce__(self):
         """A field is pickled as what it was made of, and made again of it."""
         return _made_again, self._given
+
+    def __repr__(self):
+        return f"<juliavdb.Field of {_target.named(self.recipe)}>"
 
     def __copy__(self):
         """A field does not change, so that a copy may share it."""
@@ -137,9 +140,9 @@ class Field:
         return self._scene.metadata
 
     @_options.documented(_options.VIEW)
-    def render(self, *, progress=None, **view):
+    def render(self, *, progress=None, threads=None, **view):
         """A picture as that of juliavdb.render(); the field is made once for any number of pictures."""
-        return self._scene.render(_options.recipe(view), progress)
+        return self._scene.render(_options.recipe(view), progress, threads)
 
 
 def _made_again(vertices, faces, memory, options):

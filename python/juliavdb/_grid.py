@@ -27,6 +27,9 @@ class Grid:
         """Reads a grid of a VDB. Without a name, it is the only one, or the one that is called surface or phi."""
         return cls._of(_juliavdb.read_grid(os.fspath(path), name))
 
+    def __repr__(self):
+        return f"<juliavdb.Grid {self.name!r} with a voxel size of {self.voxel_size:g}>"
+
     @property
     def name(self):
         """The name that the grid has in a VDB."""
@@ -97,7 +100,7 @@ def _unpickled(data, name):
 
 
 @_options.documented(SDF)
-def sdf(vertices=None, faces=None, *, progress=None, memory=None, **options):
+def sdf(vertices=None, faces=None, *, progress=None, memory=None, threads=None, **options):
     """Makes the signed distances of a mesh, as 'juliavdb sdf' does, and returns them as a Grid: a narrow band, negative
     inside. The mesh is a file or arrays, as for fractal()."""
-    return Grid._of(_juliavdb.sdf(*_target.given(vertices, faces, options), memory, progress))
+    return Grid._of(_juliavdb.sdf(*_target.given(vertices, faces, options), (memory, threads, None), progress))

@@ -13,7 +13,7 @@ SLICES = {"membership": lambda field, at, more: field.inside(at, **more),
 
 @_options.documented(_options.FRACTAL)
 def slice(vertices=None, faces=None, *, field="membership", axis="z", position=None, size=800, progress=None, memory=None,
-          **options):
+          threads=None, device=None, **options):
     """The numbers of a field on a plane: an array (height, width), or (height, width, 4) of versors.
 
     field is membership, f, phi, e, iterations or versor, and the pixels are those of 'juliavdb slice': axis is
@@ -22,12 +22,13 @@ def slice(vertices=None, faces=None, *, field="membership", axis="z", position=N
     """
     if field not in SLICES:
         raise ValueError(f"field is {field!r}; it must be one of {', '.join(SLICES)}")
-    made = Field(vertices, faces, progress=progress, memory=memory, **options)
-    return SLICES[field](made, made.plane(axis=axis, position=position, size=size), {"progress": progress})
+    made = Field(vertices, faces, progress=progress, memory=memory, threads=threads, device=device, **options)
+    return SLICES[field](made, made.plane(axis=axis, position=position, size=size), {"progress": progress, "threads": threads})
 
 
 @_options.documented(_options.FRACTAL)
-def study(vertices=None, faces=None, *, versors=1000, axis="z", position=None, size=800, progress=None, memory=None, **options):
+def study(vertices=None, faces=None, *, versors=1000, axis="z", position=None, size=800, progress=None, memory=None, threads=None,
+          device=None, **options):
     """What a target decides by itself on a plane, whatever the versor, as 'juliavdb study' counts it over random versors.
 
     A dict: versors, how many; inside, an array (height, width) of int32, how many of the sets hold the pixel; circles, a
@@ -37,11 +38,12 @@ def study(vertices=None, faces=None, *, versors=1000, axis="z", position=None, s
     """
     if not {"texture", "versor"} & set(options):
         options["texture"] = "random"
-    return _target.scene(vertices, faces, progress, memory, options).study(axis, position, size, versors, progress)
+    scene = _target.scene(vertices, faces, progress, (memory, threads, device), options)
+    return scene.study(axis, position, size, versors, progress, threads)
 
 
 @_options.documented(_options.FRACTAL)
-def dimension(vertices=None, faces=None, *, resolutions, progress=None, memory=None, **options):
+def dimension(vertices=None, faces=None, *, resolutions, progress=None, memory=None, threads=None, device=None, **options):
     """How the mesh of a fractal grows with its resolution, as 'juliavdb study --dimension' measures it.
 
     resolutions are at least three whole numbers, the smallest first. A dict: dimension, the slope of log(triangles) over
@@ -51,4 +53,5 @@ def dimension(vertices=None, faces=None, *, resolutions, progress=None, memory=N
     options, *functions = _options.with_functions(options)
     if any(function is not None for function in functions):
         raise ValueError("a dimension is not measured of a versor or a map that is a function; give one by its name")
-    return _juliavdb.dimension(*_target.given(vertices, faces, options), [int(each) for each in resolutions], memory, progress)
+    return _juliavdb.dimension(*_target.given(vertices, faces, options), [int(each) for each in resolutions],
+                               (memory, threads, device), progress)

@@ -33,12 +33,18 @@ def given(vertices, faces, options):
     return recipe, vertices, faces
 
 
-def scene(vertices, faces, progress, memory, options):
-    """What a field or a fractal is made of."""
+def named(recipe):
+    """The target of a recipe in words."""
+    name = recipe.get("input")
+    return "a mesh in memory" if name == "memory" else repr(name) if name else f"the map {recipe['map']}"
+
+
+def scene(vertices, faces, progress, resources, options):
+    """What a field or a fractal is made of. The resources are memory, threads and device."""
     options, versor, own_map = _options.with_functions(options)
     rest = options.get("rest")
     if rest is not None and not isinstance(rest, (str, os.PathLike)):
         options = {name: value for name, value in options.items() if name != "rest"}
     else:
         rest = None
-    return _juliavdb.Scene(*given(vertices, faces, options), memory, progress, versor, own_map, rest)
+    return _juliavdb.Scene(*given(vertices, faces, options), resources, progress, versor, own_map, rest)

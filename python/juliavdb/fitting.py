@@ -69,9 +69,9 @@ def blue_noise(vertices, faces, count, *, seed=1):
     return _juliavdb.blue_noise(vertices, faces, count, seed)
 
 
-def charge(vertices, faces, *, tolerance=1e-6, progress=None):
+def charge(vertices, faces, *, tolerance=1e-6, progress=None, threads=None):
     """Solves for the Charge of a closed surface that is a conductor at the potential 1, by boundary elements."""
-    return Charge(*_juliavdb.charge(vertices, faces, tolerance, progress))
+    return Charge(*_juliavdb.charge(vertices, faces, tolerance, progress, threads))
 
 
 def potential(vertices, faces, density, points):
@@ -79,10 +79,10 @@ def potential(vertices, faces, density, points):
     return _juliavdb.potential(vertices, faces, density, points)
 
 
-def monopoles(vertices, faces, points, potentials, *, epsilon=0.04, most=1000, candidates=100, seed=1, progress=None):
+def monopoles(vertices, faces, points, potentials, *, epsilon=0.04, most=1000, candidates=100, seed=1, progress=None, threads=None):
     """Monopoles on a surface that give these potentials (n,) at points (n, 3), found one after the other until the relative
     residual is epsilon or there are most of them: Monopoles."""
-    return Monopoles(*_juliavdb.monopoles(vertices, faces, points, potentials, epsilon, most, candidates, seed, progress))
+    return Monopoles(*_juliavdb.monopoles(vertices, faces, points, potentials, epsilon, most, candidates, seed, progress, threads))
 
 
 def weights(points, phi, cell_size, *, kind="inverse-distance"):
@@ -112,16 +112,16 @@ class Energy:
         """L at each point."""
         return self._energy.log_moduli(tuple(rational))
 
-    def minimise(self, start, *, variables="full", iterations=500, tolerance=1e-6, progress=None):
+    def minimise(self, start, *, variables="full", iterations=500, tolerance=1e-6, progress=None, threads=None):
         """Lowers the energy by L-BFGS-B with all powers, tau and beta at 0 or above: (Rational, its energy, the energies on the
         way). variables="coarse" changes C, tau and beta alone."""
         if variables not in ("full", "coarse"):
             raise ValueError(f"variables is {variables!r}; it must be full or coarse")
-        found, value, values = self._energy.minimise(tuple(start), variables == "full", iterations, tolerance, progress)
+        found, value, values = self._energy.minimise(tuple(start), variables == "full", iterations, tolerance, progress, threads)
         return Rational(*found), value, values
 
-    def move_roots(self, start, reach, *, iterations=500, tolerance=1e-6, progress=None):
+    def move_roots(self, start, reach, *, iterations=500, tolerance=1e-6, progress=None, threads=None):
         """Lowers the energy by the positions of the roots, each of whose first three coordinates may move by reach: (Rational,
         its energy, the energies on the way). From then on the energy is for these roots."""
-        found, value, values = self._energy.move_roots(tuple(start), reach, iterations, tolerance, progress)
+        found, value, values = self._energy.move_roots(tuple(start), reach, iterations, tolerance, progress, threads)
         return Rational(*found), value, values

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device_use.h"
 
+#include "patient_lock.h"
+
 #include "vdbtools/maps/device_choice.h"
 
 #include "julia/device/device.h"
@@ -15,7 +17,7 @@ namespace py = pybind11;
 namespace {
 
 /// Guards the device of the process.
-std::mutex theDeviceMutex;
+std::timed_mutex theDeviceMutex;
 
 void warn(const std::string& sentence) {
   const py::gil_scoped_acquire held;
@@ -49,4 +51,11 @@ std::unique_ptr<julia::FieldEvaluator> evaluatorOn(const vdbtools::Scene& scene,
   const DeviceKeeper keeper;
   vdbtools::chooseDevice(choice, warn);
   return scene.field.map->evaluator(scene.field.arithmetic, scene.field.orbit);
+}
+
+void onDevice(const std::string& choice, const vdbtools::Monitor& monitor, const std::function<void()>& work) {
+  const auto lock = lockPatiently(theDeviceMutex, monitor);
+  const DeviceKeeper keeper;
+  vdbtools::chooseDevice(choice, warn);
+  work();
 }

@@ -3,10 +3,12 @@
 /// The devices of OpenCL, for the process and for single calls. Later notices of a device become warnings of Python.
 #pragma once
 
+#include "vdbtools/base/monitor.h"
 #include "vdbtools/scene/scene.h"
 
 #include "julia/evaluator.h"
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -18,3 +20,8 @@ std::string useDevice(const std::string& choice);
 /// interpreter's lock.
 /// @throw as vdbtools::chooseDevice()
 std::unique_ptr<julia::FieldEvaluator> evaluatorOn(const vdbtools::Scene& scene, const std::string& choice);
+
+/// Runs @a work while a device is that of the process, one call at a time. What other threads begin meanwhile may use
+/// it too, and has the same bits. The caller must not hold the interpreter's lock.
+/// @throw as vdbtools::chooseDevice(), or what @a work throws, or vdbtools::Interrupted
+void onDevice(const std::string& choice, const vdbtools::Monitor& monitor, const std::function<void()>& work);

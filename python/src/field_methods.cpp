@@ -20,11 +20,8 @@ namespace {
 using openvdb::Vec3d;
 using vdbtools::Monitor;
 
-/// How many threads a call may take. @throw std::invalid_argument
 QueryWork workOf(const std::optional<int>& threads, const std::optional<std::string>& device = {}) {
-  if (threads && *threads < 1)
-    throw std::invalid_argument("threads is " + std::to_string(*threads) + "; it must be 1 or more, or None");
-  return {threads.value_or(0), device.value_or("")};
+  return {threadsOf(threads), device.value_or("")};
 }
 
 py::array_t<double> fieldAt(const MadeScene& made, const py::object& points, const py::object& progress,
@@ -34,7 +31,7 @@ py::array_t<double> fieldAt(const MadeScene& made, const py::object& points, con
   py::array_t<double> result(places.shape);
   const std::span<double> values = memoryOf(result);
   const std::span<const Vec3d> at = places.points();
-  doWatched(progress, made.memory, [&](Monitor& monitor) { evaluateAt(made, at, values, work, monitor); });
+  doWatched(progress, {.memory = made.memory}, [&](Monitor& monitor) { evaluateAt(made, at, values, work, monitor); });
   return result;
 }
 
@@ -49,7 +46,7 @@ py::array_t<double> numbersAt(const MadeScene& made, const py::object& points, c
   py::array_t<double> result(places.shape);
   const std::span<double> values = memoryOf(result);
   const std::span<const Vec3d> at = places.points();
-  doWatched(progress, made.memory, [&](Monitor& monitor) { kQuery(made, at, values, work, monitor); });
+  doWatched(progress, {.memory = made.memory}, [&](Monitor& monitor) { kQuery(made, at, values, work, monitor); });
   return result;
 }
 
@@ -73,7 +70,7 @@ py::array_t<double> versorAt(const MadeScene& made, const py::object& points, co
   const QueryWork work = workOf(threads);
   const std::span<const Vec3d> at = places.points();
   Quaternions versors(at.size());
-  doWatched(progress, made.memory, [&](Monitor& monitor) { versorsAt(made, at, versors, work, monitor); });
+  doWatched(progress, {.memory = made.memory}, [&](Monitor& monitor) { versorsAt(made, at, versors, work, monitor); });
   return quaternionsIn(places.shape, versors, made.scene.field.evaluator->dimension());
 }
 
@@ -86,7 +83,7 @@ py::array_t<double> gradientAt(const MadeScene& made, const py::object& points, 
   py::array_t<double> result(places.shapeWith({3}));
   const std::span<Vec3d> gradients(reinterpret_cast<Vec3d*>(result.mutable_data()), places.points().size());
   const std::span<const Vec3d> at = places.points();
-  doWatched(progress, made.memory,
+  doWatched(progress, {.memory = made.memory},
             [&](Monitor& monitor) { gradientsAt(made, at, step.value_or(0), gradients, work, monitor); });
   return result;
 }
@@ -106,7 +103,8 @@ py::array_t<std::int8_t> decisionsAt(const MadeScene& made, const py::object& ce
   py::array_t<std::int8_t> result(places.shape);
   const std::span<std::int8_t> decisions = memoryOf(result);
   const std::span<const Vec3d> at = places.points();
-  doWatched(progress, made.memory, [&](Monitor& monitor) { decideAt(made, at, all, decisions, work, monitor); });
+  doWatched(progress, {.memory = made.memory},
+            [&](Monitor& monitor) { decideAt(made, at, all, decisions, work, monitor); });
   return result;
 }
 
@@ -126,7 +124,7 @@ py::tuple orbitsOf(const MadeScene& made, const py::object& points, const py::ob
   const std::span<double> l = memoryOf(logModuli);
   std::fill(l.begin(), l.end(), kNaN);
   const julia::OrbitTrace trace{iterates, l, memoryOf(steps), ends};
-  doWatched(progress, made.memory, [&](Monitor& monitor) { orbitsAt(made, at, trace, work, monitor); });
+  doWatched(progress, {.memory = made.memory}, [&](Monitor& monitor) { orbitsAt(made, at, trace, work, monitor); });
   py::array_t<std::uint8_t> codes(places.shape);
   std::transform(ends.begin(), ends.end(), codes.mutable_data(),
                  [](julia::OrbitEnd end) { return static_cast<std::uint8_t>(end); });

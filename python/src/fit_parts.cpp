@@ -82,10 +82,11 @@ py::array_t<double> spreadOver(const py::object& vertices, const py::object& fac
   return triplesFrom(points);
 }
 
-py::tuple chargeOf(const py::object& vertices, const py::object& faces, double tolerance, const py::object& progress) {
+py::tuple chargeOf(const py::object& vertices, const py::object& faces, double tolerance, const py::object& progress,
+                   const std::optional<int>& threads) {
   const julia::TriangleSurface surface = surfaceOf(vertices, faces);
   julia::SurfaceCharge charge;
-  doWatched(progress, std::nullopt, [&](Monitor& monitor) {
+  doWatched(progress, {.threads = threadsOf(threads)}, [&](Monitor& monitor) {
     monitor.begin(vdbtools::PhaseKind::Electrostatics, 0);
     stoppable(monitor, [&](const auto& cancelled) {
       charge = julia::solveExteriorDirichlet(surface, {.tolerance = tolerance, .cancelled = cancelled});
@@ -113,12 +114,12 @@ py::array_t<double> potentialAt(const py::object& vertices, const py::object& fa
 
 py::tuple monopolesOver(const py::object& vertices, const py::object& faces, const py::object& points,
                         const py::object& potentials, double epsilon, std::size_t most, std::size_t candidates,
-                        std::uint64_t seed, const py::object& progress) {
+                        std::uint64_t seed, const py::object& progress, const std::optional<int>& threads) {
   const julia::TriangleSurface surface = surfaceOf(vertices, faces);
   const Places places = placesOf(points, "points");
   const std::vector<double> known = rowOf(potentials, "potentials", places.points().size());
   julia::MonopoleFit fit;
-  doWatched(progress, std::nullopt, [&](Monitor& monitor) {
+  doWatched(progress, {.threads = threadsOf(threads)}, [&](Monitor& monitor) {
     monitor.begin(vdbtools::PhaseKind::Monopoles, 0);
     stoppable(monitor, [&](const auto& cancelled) {
       fit = julia::fitMonopoles(surface, pointsIn(places), known,
@@ -251,10 +252,10 @@ py::array_t<double> logModuliOf(const julia::ShapeEnergy& energy, const Rational
 /// @return (rational, value, the values on the way)
 template <class Lower>
 py::tuple lowestOf(Rational& rational, int iterations, double tolerance, const py::object& progress,
-                   const Lower& lower) {
+                   const std::optional<int>& threads, const Lower& lower) {
   std::vector<double> values;
   double value = 0;
-  doWatched(progress, std::nullopt, [&](Monitor& monitor) {
+  doWatched(progress, {.threads = threadsOf(threads)}, [&](Monitor& monitor) {
     monitor.begin({vdbtools::PhaseKind::Fit, "energy"}, 0);
     stoppable(monitor, [&](const auto& cancelled) {
       value = lower({.maxIterations = iterations,
@@ -268,18 +269,18 @@ py::tuple lowestOf(Rational& rational, int iterations, double tolerance, const p
 }
 
 py::tuple minimumOf(const julia::ShapeEnergy& energy, const RationalParts& start, bool full, int iterations,
-                    double tolerance, const py::object& progress) {
+                    double tolerance, const py::object& progress, const std::optional<int>& threads) {
   Rational rational = rationalOf(start);
-  return lowestOf(rational, iterations, tolerance, progress, [&](const julia::MinimiseOptions& options) {
+  return lowestOf(rational, iterations, tolerance, progress, threads, [&](const julia::MinimiseOptions& options) {
     return julia::minimise(energy, rational, full ? julia::FitVariables::Full : julia::FitVariables::Coarse, options);
   });
 }
 
 py::tuple movedRoots(julia::ShapeEnergy& energy, const RationalParts& start, double reach, int iterations,
-                     double tolerance, const py::object& progress) {
+                     double tolerance, const py::object& progress, const std::optional<int>& threads) {
   Rational rational = rationalOf(start);
   const std::vector<double> reaches(rational.top.roots.size() + rational.bottom.roots.size(), reach);
-  return lowestOf(rational, iterations, tolerance, progress, [&](const julia::MinimiseOptions& options) {
+  return lowestOf(rational, iterations, tolerance, progress, threads, [&](const julia::MinimiseOptions& options) {
     return julia::moveRoots(energy, rational, reaches, options);
   });
 }

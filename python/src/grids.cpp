@@ -36,13 +36,13 @@ struct MadeGrid {
 };
 
 std::shared_ptr<MadeGrid> distancesOf(const vdbtools::Recipe& given, const py::object& vertices,
-                                      const py::object& faces, const std::optional<std::string>& memory,
+                                      const py::object& faces, const GivenResources& resources,
                                       const py::object& progress) {
   std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   vdbtools::Recipe recipe = given;
   if (mesh) recipe["input"] = kMemory;
   auto made = std::make_shared<MadeGrid>();
-  doWatched(progress, memoryOf(memory), [&](Monitor& monitor) {
+  doWatched(progress, resourcesOf(resources), [&](Monitor& monitor) {
     recipe = vdbtools::completeRecipe(std::move(recipe), vdbtools::sdfOptionTable());
     vdbtools::SdfOptions options = vdbtools::parseSdfOptions(recipe);
     if (!mesh) made->inputs.add(options.input);

@@ -45,6 +45,7 @@ struct MadeScene {
   vdbtools::Scene scene;
   vdbtools::InputFiles inputs;   ///< the files that were read; outputs must not replace any of them
   std::optional<double> memory;  ///< bytes that the process may use for it
+  std::string device;            ///< where maps are evaluated when something is made of it, as in Resources
 
   /// For the first picture: the scene with FractalOptions::picture, made by whichever thread needs it first.
   vdbtools::FractalOptions options;

@@ -43,6 +43,11 @@ using openvdb::Vec3d;
 using vdbtools::Monitor;
 using vdbtools::Recipe;
 
+/// For work on a scene.
+Resources resourcesFor(const MadeScene& made, const std::optional<int>& threads) {
+  return {made.memory, threadsOf(threads), made.device};
+}
+
 std::shared_ptr<const vdbtools::Mesh> meshOf(const py::array& vertices, const py::array& faces) {
   const py::array_t<double> points = triplesOf(vertices, "vertices");
   requireTriples(faces, "faces");
@@ -69,9 +74,9 @@ std::shared_ptr<const vdbtools::Mesh> meshOf(const py::array& vertices, const py
 }
 
 std::shared_ptr<MadeScene> openScene(const Recipe& recipe, const py::object& vertices, const py::object& faces,
-                                     const std::optional<std::string>& memoryText, const py::object& progress,
-                                     const py::object& versor, const py::object& map, const py::object& rest) {
-  const std::optional<double> memory = memoryOf(memoryText);
+                                     const GivenResources& given, const py::object& progress, const py::object& versor,
+                                     const py::object& map, const py::object& rest) {
+  const Resources resources = resourcesOf(given);
   const OwnFunctions functions{versorOf(versor), mapOf(map)};
   MemoryTarget target{.mesh = targetOf(vertices, faces)};
   if (!rest.is_none()) {
@@ -80,17 +85,18 @@ std::shared_ptr<MadeScene> openScene(const Recipe& recipe, const py::object& ver
     target.rest = targetOf(rest, faces);
   }
   std::shared_ptr<MadeScene> made;
-  doWatched(progress, memory,
+  doWatched(progress, resources,
             [&](Monitor& monitor) { made = makeNamedScene(recipe, std::exchange(target, {}), functions, monitor); });
-  made->memory = memory;
+  made->memory = resources.memory;
+  made->device = resources.device;
   return made;
 }
 
 std::shared_ptr<MadeFit> openFit(const Recipe& recipe, const py::object& vertices, const py::object& faces,
-                                 const std::optional<std::string>& memory, const py::object& progress) {
+                                 const GivenResources& resources, const py::object& progress) {
   std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   std::shared_ptr<MadeFit> fit;
-  doWatched(progress, memoryOf(memory),
+  doWatched(progress, resourcesOf(resources),
             [&](Monitor& monitor) { fit = makeFit(recipe, std::exchange(mesh, {}), monitor); });
   return fit;
 }
@@ -150,9 +156,10 @@ py::dict attributesOf(const py::object& self) {
   return attributes;
 }
 
-py::array render(const MadeScene& made, const Recipe& view, const py::object& progress) {
+py::array render(const MadeScene& made, const Recipe& view, const py::object& progress,
+                 const std::optional<int>& threads) {
   vdbtools::Image image;
-  doWatched(progress, made.memory, [&](Monitor& monitor) { image = pictureOf(made, view, monitor); });
+  doWatched(progress, resourcesFor(made, threads), [&](Monitor& monitor) { image = pictureOf(made, view, monitor); });
   const std::vector<std::uint8_t> codes = vdbtools::screenCodes(image);
   return py::array_t<std::uint8_t>({image.height, image.width, 3}, codes.data());
 }
@@ -256,15 +263,23 @@ std::shared_ptr<const vdbtools::Mesh> targetOf(const py::object& vertices, const
   return meshOf(arrayOf(vertices, "vertices"), all);
 }
 
-std::optional<double> memoryOf(const std::optional<std::string>& text) {
+int threadsOf(const std::optional<int>& threads) {
+  if (threads && *threads < 1)
+    throw std::invalid_argument("threads is " + std::to_string(*threads) + "; it must be 1 or more, or None");
+  return threads.value_or(0);
+}
+
+Resources resourcesOf(const GivenResources& given) {
+  const auto& [text, threads, device] = given;
+  Resources resources{.threads = threadsOf(threads), .device = device.value_or("")};
   const char* const usual = std::getenv("JULIAVDB_MEMORY");
-  if (!text && !usual) return std::nullopt;
+  if (!text && !usual) return resources;
   const std::string value = text.value_or(usual ? usual : "");
-  const std::optional<double> bytes = vdbtools::memoryFromText(value);
-  if (!bytes)
+  resources.memory = vdbtools::memoryFromText(value);
+  if (!resources.memory)
     throw std::invalid_argument((text ? "--memory is '" : "JULIAVDB_MEMORY is '") + value + "'; it must be " +
                                 vdbtools::kMemoryTexts);
-  return bytes;
+  return resources;
 }
 
 PYBIND11_MODULE(_juliavdb, m) {
@@ -294,9 +309,10 @@ PYBIND11_MODULE(_juliavdb, m) {
   scene.def(py::init(&openScene))
       .def("render", render)
       .def("fractal",
-           [](const std::shared_ptr<MadeScene>& made, bool wantGrids, const py::object& progress) {
+           [](const std::shared_ptr<MadeScene>& made, bool wantGrids, const py::object& progress,
+              const std::optional<int>& threads) {
              std::shared_ptr<MadeFractal> fractal;
-             doWatched(progress, made->memory,
+             doWatched(progress, resourcesFor(*made, threads),
                        [&](Monitor& monitor) { fractal = makeFractal(made, wantGrids, monitor); });
              return fractal;
            })
@@ -322,8 +338,10 @@ PYBIND11_MODULE(_juliavdb, m) {
                              "hold of both), voxel_size, vertices, triangles, evaluated_nodes, and, where they are "
                              "known, islands, volume, target_volume, and of the crumbs that were dropped crumbs and "
                              "crumb_volume.")
-      .def("_write", [](MadeFractal& fractal, const std::vector<std::string>& paths, const py::object& progress) {
-        doWatched(progress, fractal.made->memory, [&](Monitor& monitor) { writeFiles(fractal, paths, monitor); });
+      .def("_write", [](MadeFractal& fractal, const std::vector<std::string>& paths, const py::object& progress,
+                        const std::optional<int>& threads) {
+        doWatched(progress, resourcesFor(*fractal.made, threads),
+                  [&](Monitor& monitor) { writeFiles(fractal, paths, monitor); });
       });
 
   py::class_<MadeFit, std::shared_ptr<MadeFit>>(m, "Fit", "A rational map in the shape of a target, as fit() makes it.")
@@ -333,6 +351,6 @@ PYBIND11_MODULE(_juliavdb, m) {
                              "iteration and iterated_iou after iterations=, or after four where that is one, psi, "
                              "mean_distance and hausdorff, the distances in shares of the longest side.")
       .def("_write", [](const MadeFit& fit, const std::string& path, const py::object& progress) {
-        doWatched(progress, std::nullopt, [&](Monitor& monitor) { writeFit(fit, path, monitor); });
+        doWatched(progress, {}, [&](Monitor& monitor) { writeFit(fit, path, monitor); });
       });
 }

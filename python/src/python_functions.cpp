@@ -26,10 +26,17 @@ std::shared_ptr<py::object> heldInAnyThread(const py::object& function) {
           }};
 }
 
+/// "the function swirl of texture". The caller must hold the interpreter's lock.
+std::string titleOf(const py::object& function, const char* option) {
+  const py::object name = py::getattr(function, "__name__", py::none());
+  return "the function " + (py::isinstance<py::str>(name) ? name.cast<std::string>() + " " : std::string()) + "of " +
+         option;
+}
+
 /// The real numbers of an array that a function returned. @throw std::invalid_argument
-std::vector<double> numbersReturned(const py::array& given, const char* what) {
+std::vector<double> numbersReturned(const py::array& given, const std::string& title) {
   if (const char kind = given.dtype().kind(); kind != 'f' && kind != 'i' && kind != 'u')
-    throw std::invalid_argument(std::string("the function of ") + what + " must return real numbers");
+    throw std::invalid_argument(title + " must return real numbers");
   const py::array_t<double, py::array::c_style | py::array::forcecast> numbers(given);
   return {numbers.data(), numbers.data() + numbers.size()};
 }
@@ -39,17 +46,18 @@ std::vector<double> directionsFrom(const py::object& function, std::span<const V
   const auto count = static_cast<py::ssize_t>(points.size());
   py::array_t<double> at({count, py::ssize_t{3}});
   std::copy_n(points.data()->asPointer(), 3 * points.size(), at.mutable_data());
-  const py::array given = arrayOf(function(at), "what the function of versor returns");
+  const std::string title = titleOf(function, "texture");
+  const py::array given = arrayOf(function(at), ("what " + title + " returns").c_str());
   if (given.ndim() != 2 || given.shape(0) != count || (given.shape(1) != 3 && given.shape(1) != 4))
-    throw std::invalid_argument("the function of versor was given " + std::to_string(count) +
+    throw std::invalid_argument(title + " was given " + std::to_string(count) +
                                 " points and returned an array of the shape " + shapeText(given) +
                                 "; it must be (n, 3) or (n, 4), one row a point");
-  std::vector<double> values = numbersReturned(given, "versor");
+  std::vector<double> values = numbersReturned(given, title);
   const auto broken = std::find_if(values.begin(), values.end(), [](double x) { return !std::isfinite(x); });
   if (broken != values.end()) {
     const auto components = static_cast<std::size_t>(given.shape(1));
     const std::size_t row = static_cast<std::size_t>(broken - values.begin()) / components;
-    throw std::invalid_argument("the function of versor returned " + tupleText(&values[row * components], components) +
+    throw std::invalid_argument(title + " returned " + tupleText(&values[row * components], components) +
                                 " at the point " + tupleText(points[row].asPointer(), 3) +
                                 "; directions must be finite");
   }
@@ -63,12 +71,13 @@ std::vector<double> iteratesFrom(const py::object& function, std::span<const dou
   py::array_t<double> q({count, py::ssize_t{4}}), c({count, py::ssize_t{4}});
   std::copy(iterates.begin(), iterates.end(), q.mutable_data());
   std::copy(starts.begin(), starts.end(), c.mutable_data());
-  const py::array given = arrayOf(function(q, c), "what the function of map returns");
+  const std::string title = titleOf(function, "map");
+  const py::array given = arrayOf(function(q, c), ("what " + title + " returns").c_str());
   if (given.ndim() != 2 || given.shape(0) != count || given.shape(1) != 4)
-    throw std::invalid_argument("the function of map was given " + std::to_string(count) +
+    throw std::invalid_argument(title + " was given " + std::to_string(count) +
                                 " iterates and returned an array of the shape " + shapeText(given) +
                                 "; it must be (n, 4), one row an iterate");
-  return numbersReturned(given, "map");
+  return numbersReturned(given, title);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 /// The names of options in Python, with dashes as on the command line.
 const std::set<std::string, std::less<>>& namesInPython() {
   static const std::set<std::string, std::less<>> all = [] {
-    std::set<std::string, std::less<>> names{"memory"};
+    std::set<std::string, std::less<>> names{"memory", "device"};
     for (const vdbtools::OptionTable& table :
          {vdbtools::fractalOptionTable(), vdbtools::fit::fitOptionTable(), viewTable()})
       for (const vdbtools::OptionListing& option : table.listing()) names.insert(option.name);

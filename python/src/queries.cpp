@@ -3,15 +3,14 @@
 
 #include "device_use.h"
 #include "patient_lock.h"
+#include "thread_limit.h"
 
 #include "vdbtools/control/control.h"
 
 #include "julia/elementary.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,16 +23,6 @@ using openvdb::Vec3d;
 using vdbtools::Monitor;
 
 namespace {
-
-/// Runs @a work in an arena with this number of threads; 0: with all of them.
-template <class Function>
-void inThreads(int threads, const Function& work) {
-  if (threads == 0) return work();
-  // oneTBB would print a warning where an arena asks for more.
-  const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  tbb::task_arena arena(static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(threads), allowed)));
-  arena.execute(work);
-}
 
 /// Calls body(first, count) for pieces of this many points.
 template <class Body>

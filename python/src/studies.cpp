@@ -49,13 +49,14 @@ py::array_t<double> planeAt(const MadeScene& made, const std::string& axis, cons
 }
 
 py::dict studyOf(const MadeScene& made, const std::string& axis, const std::optional<double>& position, int size,
-                 int versors, const py::object& progress) {
+                 int versors, const py::object& progress, const std::optional<int>& threads) {
   const vdbtools::SlicePlane plane = planeOf(made, axis, position, size, made.scene.field.space.centre);
   if (versors < 1 || versors > vdbtools::kMostVersors)
     throw std::invalid_argument("versors is " + std::to_string(versors) + "; it must be from 1 to " +
                                 std::to_string(vdbtools::kMostVersors));
   vdbtools::Study study;
-  doWatched(progress, made.memory, [&](Monitor& monitor) {
+  const Resources resources{made.memory, threadsOf(threads), made.device};
+  doWatched(progress, resources, [&](Monitor& monitor) {
     study = vdbtools::runStudy(made.scene, plane, {.versors = versors, .circles = true}, monitor);
   });
   py::dict result;
@@ -81,8 +82,7 @@ py::dict studyOf(const MadeScene& made, const std::string& axis, const std::opti
 }
 
 py::dict dimensionOf(const vdbtools::Recipe& recipe, const py::object& vertices, const py::object& faces,
-                     const std::vector<int>& resolutions, const std::optional<std::string>& memory,
-                     const py::object& progress) {
+                     const std::vector<int>& resolutions, const GivenResources& resources, const py::object& progress) {
   for (std::size_t i = 0; i < resolutions.size(); ++i)
     if (resolutions[i] < vdbtools::kLeastGrowthResolution || resolutions[i] > vdbtools::kMostGrowthResolution ||
         (i > 0 && resolutions[i] <= resolutions[i - 1]))
@@ -98,7 +98,7 @@ py::dict dimensionOf(const vdbtools::Recipe& recipe, const py::object& vertices,
                                   " is given, but the resolutions are those of the study; leave it out");
   std::shared_ptr<const vdbtools::Mesh> mesh = targetOf(vertices, faces);
   std::vector<vdbtools::GrowthRow> rows;
-  doWatched(progress, memoryOf(memory), [&](Monitor& monitor) {
+  doWatched(progress, resourcesOf(resources), [&](Monitor& monitor) {
     rows = vdbtools::measureGrowth(namedOptions(recipe, {.mesh = std::move(mesh)}).options, resolutions, monitor);
   });
   const vdbtools::PowerLaw law = vdbtools::growthLaw(rows);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "watched_work.h"
 
+#include "device_use.h"
+#include "thread_limit.h"
+
 #include "vdbtools/base/memory.h"
 #include "vdbtools/base/scheduler.h"
 
@@ -79,10 +82,10 @@ void tell(const py::object& progress, WatchedMonitor& monitor) {
 
 }  // namespace
 
-void doWatched(const py::object& progress, std::optional<double> memory,
+void doWatched(const py::object& progress, const Resources& resources,
                const std::function<void(vdbtools::Monitor&)>& work) {
   std::optional<vdbtools::MemoryLimit> limit;
-  if (memory) limit.emplace(*memory);
+  if (resources.memory) limit.emplace(*resources.memory);
   WatchedMonitor monitor;
   std::exception_ptr failure, stopped;
   std::mutex mutex;
@@ -91,7 +94,10 @@ void doWatched(const py::object& progress, std::optional<double> memory,
   std::thread worker([&] {
     try {
       vdbtools::startScheduler();
-      work(monitor);
+      inThreads(resources.threads, [&] {
+        if (resources.device.empty()) return work(monitor);
+        onDevice(resources.device, monitor, [&] { work(monitor); });
+      });
     } catch (...) {
       failure = std::current_exception();
     }

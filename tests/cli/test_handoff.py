@@ -132,6 +132,36 @@ class HandOff(harness.CliTest):
         self.refused(harness.USAGE, "sdf", "t.obj", "-o", "x.vdb", "--grid", "phi", mentions="--grid")
         self.refused(harness.BAD_DATA, "sdf", "f.vdb", "--grid", "phi", "-o", "x.vdb", mentions="density")
 
+    def test_half_has_no_infinities(self):
+        """A half ends at 65504. Values beyond are stored as that, and the command says how many; Fp16 of NanoVDB has scales of its own.
+        The target is so large that its distances are."""
+        points, faces = harness.torus()
+        self.write("large.obj", harness.obj(([(1e6 * x, 1e6 * y, 1e6 * z) for x, y, z in points], faces)))
+        low = ("--resolution", 24, "--sdf-resolution", 24)
+        runs = {"sdf": ("sdf", "large.obj", "--resolution", 24), "fractal": ("fractal", "large.obj", *low, "--attributes", "depth,Cd")}
+        for command, words in runs.items():
+            self.ok(*words, "-o", "full.vdb")
+            said = self.ok(*words, "-o", "half.vdb", "--half")
+            grids = {grid.name for grid in pyopenvdb.readAllGridMetadata(str(self.path("full.vdb")))}
+            for name in grids - {"Cd"}:
+                full, half = (pyopenvdb.read(str(self.path(file)), name) for file in ("full.vdb", "half.vdb"))
+                values = half.getConstAccessor()
+                beyond = 0
+                for item in full.citerOnValues():
+                    value = values.getValue(item.min)
+                    beyond += abs(item.value) > 65504
+                    self.assertLessEqual(abs(value), 65504)
+                    self.assertEqual(math.copysign(1, value), math.copysign(1, item.value))
+                self.assertGreater(beyond, 100)
+                self.assertIn(f"warning: {beyond} values of the grid {name} are beyond what 16 bits hold", said)
+                self.assertEqual(half.background, 65504 if full.background > 0 else 0)
+            self.assertEqual(said.count("16 bits"), len(grids - {"Cd"}), said)
+        self.ok("plan", "tiles", *runs["fractal"][1:], "--half", "--tiles", 2, "-o", "farm", "--make", "vdb")
+        self.ok("task", "farm", "--range", "1-2")
+        merged = self.ok("merge", "farm", "-o", "merged.vdb")
+        self.assertEqual(self.bytes("merged.vdb"), self.bytes("half.vdb"))
+        self.assertEqual([line for line in merged.splitlines() if "16 bits" in line], [line for line in said.splitlines() if "16 bits" in line])
+
     def test_half(self):
         for name, options in (("full", ()), ("half", ("--half",))):
             self.ok("fractal", "t.obj", *LOW, "-o", f"{name}.vdb", "--grids", "surface,density", *options)

@@ -236,6 +236,22 @@ class Makers(harness.CliTest):
         self.assertEqual(self.info("p.vdb")["metadata"]["julia_length_unit"], "mm")
         self.refused(USAGE, "sdf", "p.3mf", "-o", "p.vdb", "--resolution", 24, "--units", "in", mentions=("mm", "p.3mf"))
 
+    def test_a_small_base_is_told_with_the_way_to_a_larger_one(self):
+        """A ball with a little cut off, and a needle; what is proposed is large enough, and a cube is in any case."""
+        self.write("ball.obj", harness.obj(harness.sphere(3)))
+        points, faces = harness.sphere(3)
+        self.write("needle.obj", harness.obj(([(0.1 * x, y, 0.1 * z) for x, y, z in points], faces)))
+        self.write("cube.obj", harness.obj(harness.cube()))
+        for name, base in (("ball", 0.15), ("needle", 1)):
+            words = ("print", f"{name}.obj", "-o", "p.stl", "--longest-side", 60, "--resolution", 120, "--flat-base")
+            said = self.ok(*words, base)
+            area = float(re.search(r"stands on a base of ([\d.]+) mm2", said)[1])
+            better = float(re.search(r"warning: .* --flat-base ([\d.]+) gives", said)[1])
+            again = self.ok(*words, better)
+            self.assertNotIn("come off", again)
+            self.assertGreater(float(re.search(r"stands on a base of ([\d.]+) mm2", again)[1]), 1.5 * area)
+        self.assertNotIn("come off", self.ok("print", "cube.obj", "-o", "p.stl", "--longest-side", 60, "--flat-base", 0.5, "--resolution", 60))
+
     def test_what_it_says_is_what_was_made(self):
         said = self.ok("print", "s.obj", "-o", "p.ply", "--size", 40, "--flat-base", 4, "--resolution", 40)
         mesh = self.closed("p.ply")

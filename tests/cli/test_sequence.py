@@ -240,7 +240,8 @@ class EveryCommand(harness.CliTest):
 
     def test_notations(self):
         """As Houdini, Nuke, Blender and printf write them; printf counts the sign."""
-        for pattern, made in (("$F4", "-0001"), ("${F4}", "-0001"), ("$F", "-1"), ("####", "-0001"), ("%04d", "-001"), ("%d", "-1")):
+        for pattern, made in (("$F4", "-0001"), ("${F4}", "-0001"), ("$F", "-1"), ("####", "-0001"), ("%04d", "-001"), ("%d", "-1"), ("<F4>", "-0001"),
+                              ("<F>", "-1"), ("@@@@", "-0001")):
             self.ok("sdf", "in.-0001.obj", "-o", f"n.{pattern}.vdb", "--resolution", 16, "--frames", "-1")
             self.assertEqual([name for name in self.listing() if name.startswith("n.")], [f"n.{made}.vdb"])
             self.path(f"n.{made}.vdb").unlink()

@@ -6,7 +6,7 @@ import struct
 import unittest
 
 import harness
-from harness import USAGE
+from harness import BAD_DATA, CANNOT_CREATE, USAGE
 
 LOW = ("--resolution", 24, "--sdf-resolution", 48)
 
@@ -144,6 +144,23 @@ class Stack(harness.CliTest):
         # The text beside the layers may be an input, too.
         self.write("s.txt", "iterations = 3\n")
         self.refused(USAGE, "slice", "s.obj", "--config", "s.txt", "--stack", "-o", "s.####.tif", "--size", 10, mentions="s.txt")
+
+    def test_the_folder_is_looked_at_before_the_work(self):
+        """The mesh is broken, which is found only where the folder is good."""
+        self.write("broken.obj", "f 1 2 3\n")
+        words = ("slice", "broken.obj", *LOW, "--size", 10, "--stack", "-o")
+        self.refused(BAD_DATA, *words, "x.####.png")
+        self.refused(CANNOT_CREATE, *words, "missing/x.####.png", mentions="missing")
+        self.path("x.txt").mkdir()
+        self.refused(CANNOT_CREATE, *words, "x.####.png", mentions="x.txt")
+
+    def test_no_layer_of_an_earlier_stack_is_left_among_the_new_ones(self):
+        self.ok("slice", "s.obj", *LOW, "--size", 12, "--stack", "-o", "x.####.png")
+        old = {name: self.bytes(name) for name in self.listing()}
+        self.refused(USAGE, "slice", "s.obj", *LOW, "--size", 9, "--stack", "-o", "x.####.png", mentions=("earlier stack", "x.0010.png"))
+        self.assertEqual({name: self.bytes(name) for name in self.listing()}, old)
+        self.ok("slice", "s.obj", *LOW, "--size", 12, "--stack", "-o", "x.####.png")
+        self.ok("slice", "s.obj", *LOW, "--size", 15, "--stack", "-o", "x.####.png")
 
 
 if __name__ == "__main__":

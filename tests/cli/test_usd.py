@@ -83,6 +83,40 @@ class Usd(harness.CliTest):
         self.refused(BAD_DATA, "usd", "--mesh", "c.####.ply", "--frames", "1-3", "-o", "n.usda",
                      mentions=("c.0003.ply", "no colours"))
 
+    def test_attributes_of_the_points_are_primvars(self):
+        """Numbers, vectors and texture coordinates, by the names that fractal and glTF give them; of frames, those that all have."""
+        corners, faces = harness.cube()
+        low = ("--resolution", 14, "--sdf-resolution", 16)
+        words = ("fractal", "m.0000.obj", *low, "--attributes", "Cd,direction,trap,depth")
+        self.ok(*words, "--mesh", "a.ply", "-o", "a.vdb")
+        self.ok(*words, "--mesh", "a.glb")
+        text = self.make("--mesh", "a.ply")
+        scene = {name: value_of(text, f"{kind}[] primvars:{name}")
+                 for kind, name in (("float", "trap"), ("float", "depth"), ("float3", "direction"), ("color3f", "displayColor"))}
+        self.assertEqual(sorted(re.findall(r"primvars:(\w+) =", text)), sorted(scene))
+        self.assertEqual(text.count('interpolation = "vertex"'), 1 + len(scene), "the normals and each of them")
+        points = len(value_of(text, "point3f[] points")) // 3
+        self.assertEqual({name: len(values) // points for name, values in scene.items()},
+                         {"trap": 1, "depth": 1, "direction": 3, "displayColor": 3})
+        of_glb = self.make("--mesh", "a.glb")
+        for kind, name in (("float", "trap"), ("float", "depth"), ("float3", "direction")):
+            self.assertEqual(value_of(of_glb, f"{kind}[] primvars:{name}"), scene[name], name)
+        head = "ply\nformat ascii 1.0\nelement vertex 8\n"
+        table = "".join(f"property float {name}\n" for name in ("x", "y", "z", "s", "t", "wet", "wind_x", "wind_y"))
+        rows = "".join(f"{x} {y} {z} {x / 4} {y / 4} {i} nan {-i}\n" for i, (x, y, z) in enumerate(corners))
+        tail = f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+        for frame, extra in ((1, table), (2, table.replace("wet", "dry"))):
+            self.write(f"p.{frame:04}.ply", head + extra + tail + rows + "".join(f"3 {a} {b} {c}\n" for a, b, c in faces))
+        text = self.make("--mesh", "p.0001.ply")
+        self.assertEqual(value_of(text, "float[] primvars:wet"), list(map(float, range(8))))
+        self.assertEqual(value_of(text, "texCoord2f[] primvars:st"),
+                         [value / 4 for face in faces for corner in face for value in corners[corner][:2]], "one for each corner")
+        self.assertEqual(text.count('interpolation = "faceVarying"'), 1)
+        self.assertEqual(value_of(text, "float[] primvars:wind_y"), [-float(i) for i in range(8)], "two of three are no vector")
+        self.assertIn("primvars:wind_x = [" + ", ".join(["nan"] * 8) + "]", text)
+        text = self.make("--mesh", "p.####.ply", "--frames", "1-2")
+        self.assertEqual(sorted(re.findall(r"primvars:(\w+)\.timeSamples", text)), ["st", "wind_x", "wind_y"])
+
     def test_far_from_the_origin_all_frames_have_one_place(self):
         points, faces = harness.cube()
         for frame, shift in ((1, 1e6), (2, 1e6 + 0.25)):

@@ -30,6 +30,7 @@ TEST(Frames, AreAListOfRanges) {
   EXPECT_EQ(parseFrames("0-0"), List{0});
   EXPECT_EQ(parseFrames("1-8x3"), (List{1, 4, 7}));
   EXPECT_EQ(parseFrames("1-7x3"), (List{1, 4, 7}));
+  EXPECT_EQ(parseFrames("1-6:2,-3--1:2"), (List{1, 3, 5, -3, -1}));
   EXPECT_EQ(parseFrames("9,1-5x4,1-3"), (List{9, 1, 5, 2, 3})) << "in the order of the list, each once";
   EXPECT_EQ(parseFrames("1-2147483647x1000000").size(), 2148U);
   EXPECT_EQ(parseFrames("-5"), List{-5});
@@ -60,6 +61,10 @@ TEST(Frames, AreAListOfRanges) {
                           "-",
                           "-1---1",
                           "-5-",
+                          "1-6:",
+                          "1-6:0",
+                          "1-6x2:2",
+                          "1:6",
                           "-2147483648-2147483647"})
     EXPECT_THROW(parseFrames(bad), std::invalid_argument) << bad;
 }

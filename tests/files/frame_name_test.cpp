@@ -24,6 +24,10 @@ TEST(FrameName, FillsInEveryNotation) {
   EXPECT_EQ(expandFrame("/x/a.$F4.vdb", 0), "/x/a.0000.vdb");
   EXPECT_EQ(expandFrame("a.${F4}_b.vdb", 7), "a.0007_b.vdb");
   EXPECT_EQ(expandFrame("a${F}b.vdb", 17), "a17b.vdb");
+  EXPECT_EQ(expandFrame("a.<F4>.vdb", 7), "a.0007.vdb");
+  EXPECT_EQ(expandFrame("a<F>b.vdb", 17), "a17b.vdb");
+  EXPECT_EQ(expandFrame("a.@@@@.vdb", 7), "a.0007.vdb");
+  EXPECT_EQ(expandFrame("you@@home/a@2x_@@.vdb", 7), "you@@home/a@2x_07.vdb");
 }
 
 TEST(FrameName, WritesNegativeNumbersAsOthersDo) {
@@ -35,7 +39,7 @@ TEST(FrameName, WritesNegativeNumbersAsOthersDo) {
     for (const char* name : {"a.%d.vdb", "a.$F.vdb", "a.${F}.vdb"}) EXPECT_EQ(expandFrame(name, frame), printed);
     // A precision is the number of digits, without the sign.
     std::snprintf(printed, sizeof printed, "a.%.4d.vdb", frame);
-    for (const char* name : {"a.####.vdb", "a.$F4.vdb", "a.${F4}.vdb", "a.vdb"})
+    for (const char* name : {"a.####.vdb", "a.$F4.vdb", "a.${F4}.vdb", "a.<F4>.vdb", "a.@@@@.vdb", "a.vdb"})
       EXPECT_EQ(expandFrame(name, frame), printed) << name;
   }
 }
@@ -55,8 +59,9 @@ TEST(FrameName, PutsTheFrameBeforeTheExtensionWithoutAPattern) {
 }
 
 TEST(FrameName, LeavesNamesWithoutAPatternAloneWithoutAFrame) {
-  for (const char* name : {"name.vdb", "", "a/b", "50%.vdb", "cost$.vdb", "$FOO.vdb", "$F_x.vdb", "${FOO}.vdb",
-                           "${F4.vdb", "${F", "%s.vdb", "%4x", "%"}) {
+  for (const char* name :
+       {"name.vdb", "", "a/b", "50%.vdb", "cost$.vdb", "$FOO.vdb", "$F_x.vdb", "${FOO}.vdb", "${F4.vdb", "${F",
+        "%s.vdb", "%4x", "%", "me@home.vdb", "<F4.vdb", "<F", "<UDIM>.vdb", "<Fog>.vdb"}) {
     EXPECT_EQ(expandFrame(name, std::nullopt), name);
   }
 }
@@ -69,11 +74,12 @@ TEST(FrameName, CountsHashMarksInTheFileNameOnly) {
 }
 
 TEST(FrameName, RefusesWhatIsNotClear) {
-  for (const char* name : {"a.$F4.vdb", "a.####.vdb", "a.%04d.vdb", "a.$F.vdb", "a#.vdb"}) {
+  for (const char* name : {"a.$F4.vdb", "a.####.vdb", "a.%04d.vdb", "a.$F.vdb", "a#.vdb", "a.<F4>.vdb", "a.@@.vdb"}) {
     EXPECT_THROW(expandFrame(name, std::nullopt), std::invalid_argument) << name;
   }
-  for (const char* name : {"$F4.####.vdb", "##.##.vdb", "<frame>.##.vdb", "%04d$F", "$F4/$F4.vdb", "a.%4d.vdb", "$F17",
-                           "%017d", "#################", "$F99999999999999999999999", "a/", "", ".", "a/.."}) {
+  for (const char* name :
+       {"$F4.####.vdb", "##.##.vdb", "<frame>.##.vdb", "%04d$F", "$F4/$F4.vdb", "a.%4d.vdb", "$F17", "<F4>.##", "@@.##",
+        "<F17>", "%017d", "#################", "$F99999999999999999999999", "a/", "", ".", "a/.."}) {
     EXPECT_THROW(expandFrame(name, 1), std::invalid_argument) << name;
   }
 }

@@ -13,7 +13,9 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <map>
+#include <vector>
 
 namespace {
 
@@ -125,6 +127,45 @@ TEST_F(VdbFileTest, HalfIsSmallerAndNearlyTheSame) {
   const auto read = chooseFloatGrid(readVdb(mPath), "surface", mPath);
   for (auto value = grid->cbeginValueOn(); value; ++value)
     ASSERT_NEAR(read->tree().getValue(value.getCoord()), *value, std::abs(*value) * 0x1p-11 + 1e-7);
+}
+
+/// A half ends at 65504; the next number would be 65536.
+TEST_F(VdbFileTest, HalfHasNoInfinityThatWasNotThere) {
+  const auto numbers = openvdb::FloatGrid::create(3e5F);
+  numbers->setName("numbers");
+  auto access = numbers->getAccessor();
+  const float infinity = std::numeric_limits<float>::infinity();
+  const std::vector<float> given = {1, 65504, 65510, 65520, -1e30F, infinity, -infinity};
+  const std::vector<float> held = {1, 65504, 65504, 65504, -65504, infinity, -infinity};
+  for (std::size_t i = 0; i < given.size(); ++i) access.setValue(openvdb::Coord(static_cast<int>(i), 0, 0), given[i]);
+  numbers->fill(openvdb::CoordBBox::createCube(openvdb::Coord(4096), 8), 7e4F, true);
+  const auto vectors = openvdb::Vec3SGrid::create();
+  vectors->setName("vectors");
+  vectors->getAccessor().setValue(openvdb::Coord(0), openvdb::Vec3s(1, -7e4F, 2e5F));
+  const auto before = numbers->deepCopy();
+
+  std::vector<ClampedGrid> clamped;
+  write(encodeVdb({numbers, vectors, fineBall()}, {.half = true, .clamped = &clamped}));
+  const VdbFile file = readVdb(mPath);
+  const auto read = chooseFloatGrid(file, "numbers", mPath);
+  for (std::size_t i = 0; i < held.size(); ++i)
+    EXPECT_EQ(read->tree().getValue(openvdb::Coord(static_cast<int>(i), 0, 0)), held[i]) << given[i];
+  EXPECT_EQ(read->tree().getValue(openvdb::Coord(4096)), 65504);
+  EXPECT_EQ(read->background(), 65504);
+  EXPECT_EQ(read->tree().getValue(openvdb::Coord(0, 1, 0)), 65504) << "inactive nodes have the background";
+  const auto vector = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.grids[1])->tree().getValue(openvdb::Coord(0));
+  EXPECT_EQ(vector, openvdb::Vec3s(1, -65504, 65504));
+  ASSERT_EQ(clamped.size(), 2u) << "the ball has nothing to report";
+  EXPECT_EQ(clamped[0].name, "numbers");
+  EXPECT_EQ(clamped[0].values, 3 + 8u * 8 * 8);
+  EXPECT_EQ(clamped[1].name, "vectors");
+  EXPECT_EQ(clamped[1].values, 1u);
+
+  for (int i = 0; i < 7; ++i)
+    EXPECT_EQ(numbers->tree().getValue(openvdb::Coord(i, 0, 0)), before->tree().getValue(openvdb::Coord(i, 0, 0)));
+  clamped.clear();
+  encodeVdb({numbers}, {.clamped = &clamped});
+  EXPECT_TRUE(clamped.empty()) << "32 bits hold everything";
 }
 
 TEST_F(VdbFileTest, TwoGridsOfOneNameAreRefused) {

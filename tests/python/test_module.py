@@ -8,6 +8,7 @@ import os
 import pathlib
 import re
 import sys
+import threading
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
@@ -423,6 +424,47 @@ class Memory(ModuleTest):
                 juliavdb.fractal(self.torus, **SMALL, memory=limit)
 
 
+class Threads(ModuleTest):
+
+    def test_every_call_takes_threads_and_they_change_nothing(self):
+        """A device of the call is the same in this: "cpu" is there on every machine."""
+        calls = {
+            "fractal": lambda **more: juliavdb.fractal(self.torus, **SMALL, **more).vertices,
+            "render": lambda **more: juliavdb.render(self.torus, sdf_resolution=30, size=(20, 20), **more),
+            "slice": lambda **more: juliavdb.slice(self.torus, field="f", size=20, **SMALL, **more),
+            "study": lambda **more: juliavdb.study(self.torus, versors=3, size=20, **SMALL, **more)["inside"],
+            "dimension": lambda **more: juliavdb.dimension(self.torus, sdf_resolution=30, resolutions=(20, 24, 28), **more)["triangles"],
+            "Field": lambda **more: juliavdb.Field(self.torus, **SMALL, **more)([[0.1, 0.2, 0.3]]),
+            "sdf": lambda **more: juliavdb.sdf(self.torus, resolution=20, **more).array()[0],
+            "fit": lambda **more: juliavdb.fit(self.torus, roots=8, resolution=16, **more).info["psi"],
+        }
+        for name, call in calls.items():
+            with self.subTest(call=name):
+                usual = call()
+                for more in ({"threads": 1}, {"threads": 3}) + (({"device": "cpu", "threads": 2},) if name not in ("sdf", "fit") else ()):
+                    self.assertTrue(np.array_equal(call(**more), usual), more)
+                with self.assertRaisesRegex(ValueError, "threads is 0; it must be 1 or more, or None"):
+                    call(threads=0)
+                if name not in ("sdf", "fit"):
+                    with self.assertRaisesRegex((ValueError, RuntimeError), "^device is 'gpu'"):
+                        call(device="gpu")
+        made = juliavdb.fractal(self.torus, **SMALL)
+        made.write(self.path("one.vdb"), threads=1)
+        made.write(self.path("all.vdb"))
+        self.assertEqual(self.bytes("one.vdb"), self.bytes("all.vdb"))
+
+    def test_a_call_takes_no_more_threads(self):
+        """Of a texture that is a function: as it is called in the threads that work."""
+        seen = set()
+
+        def texture(points):
+            seen.add(threading.get_ident())
+            return points + (3, 1, 2)
+
+        juliavdb.fractal(self.torus, texture=texture, threads=1, **SMALL)
+        self.assertLessEqual(len(seen), 2, "one thread for the scene, one for the surface")
+
+
 class FieldTest(ModuleTest):
 
     def test_a_quadratic_map_by_hand(self):
@@ -550,6 +592,13 @@ class Versors(ModuleTest):
                 with self.assertRaises(ValueError) as raised:
                     juliavdb.fractal(self.torus, texture=function, **SMALL)
                 self.assertTrue(any(word in str(raised.exception) for word in words), raised.exception)
+        def swirling(points, starts=None):
+            return points[1:]
+
+        with self.assertRaisesRegex(ValueError, "^the function swirling of texture was given"):
+            juliavdb.fractal(self.torus, texture=swirling, **SMALL)
+        with self.assertRaisesRegex(ValueError, "^the function swirling of map"):
+            juliavdb.fractal(map=swirling, box="-1,-1,-1,1,1,1", resolution=8)
         with self.assertRaisesRegex(ValueError, "both functions"):
             juliavdb.fractal(self.torus, texture=self.swirl, texture_over=self.swirl, **SMALL)
         # Of length 0 is the versor 1.
@@ -608,6 +657,23 @@ class Devices(ModuleTest):
 
 class Words(ModuleTest):
 
+    def test_objects_say_what_they_are(self):
+        """In one line, with the name of their class and that of their target."""
+        arrays_ = [np.array(each) for each in self.mesh[:2]]
+        objects = {"Fractal": juliavdb.fractal, "Field": juliavdb.Field,
+                   "Fit": lambda *target, **_: juliavdb.fit(*target, roots=8, resolution=16)}
+        for name, make in objects.items():
+            self.assertRegex(repr(make(self.torus, **SMALL)), rf"\A<juliavdb\.{name} of '.*torus\.obj'.*>\Z")
+            self.assertRegex(repr(make(*arrays_, **SMALL)), rf"\A<juliavdb\.{name} of a mesh in memory.*>\Z")
+        self.assertEqual(repr(juliavdb.Field(map="mandelbulb")), "<juliavdb.Field of the map mandelbulb>")
+        made = juliavdb.fractal(self.torus, **SMALL)
+        self.assertIn(f"{len(made.vertices)} vertices, {len(made.faces)} triangles", repr(made))
+        self.assertEqual(repr(juliavdb.sdf(self.torus, voxel_size=0.25)), "<juliavdb.Grid 'phi' with a voxel size of 0.25>")
+
+    def test_the_module_has_its_own_names_alone(self):
+        public = {name for name in dir(juliavdb) if not name.startswith("_")}
+        self.assertEqual(public, set(juliavdb.__all__) | {"fitting"})
+
     def test_stubs_and_docstrings_name_every_option(self):
         stub = pathlib.Path(juliavdb.__file__).with_suffix(".pyi").read_text()
         functions = {node.name: node for node in ast.walk(ast.parse(stub)) if isinstance(node, ast.FunctionDef)}
@@ -616,7 +682,7 @@ class Words(ModuleTest):
         names = {line.split()[0][2:].replace("-", "_") for line in part.splitlines() if line.startswith("  --")}
         self.assertGreater(len(names), 40)
         found = {argument.arg for argument in functions["fractal"].args.kwonlyargs}
-        self.assertEqual(found - {"progress", "memory"}, names)
+        self.assertEqual(found - {"progress", "memory", "threads", "device"}, names)
         for name in names:
             self.assertIn(f"\n    {name}=", inspect.getdoc(juliavdb.fractal))
             self.assertIn(name, inspect.signature(juliavdb.fractal).parameters)

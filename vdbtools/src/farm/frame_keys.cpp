@@ -81,14 +81,17 @@ std::vector<int> parseFrames(const std::string& text) {
   std::set<int> seen;
   for (const std::string& part : split(text, ',')) {
     // A minus sign may stand before each number, so the dash of a range is not the first character.
-    const std::size_t times = part.find('x'), dash = part.find('-', 1);
+    const std::size_t times = part.find_first_of("x:"), dash = part.find('-', 1);
     const std::string range = part.substr(0, times);
     const std::optional<int> first = wholeFromText<int>(range.substr(0, dash));
     const std::optional<int> last = dash < times ? wholeFromText<int>(range.substr(dash + 1)) : first;
     const std::optional<int> step = times == std::string::npos ? 1 : wholeFromText<int>(part.substr(times + 1));
-    if (!first || !last || !step || *last < *first || *step < 1)
+    // "1:6" would be taken for the frames 1 to 6.
+    const bool isUnclear = times != std::string::npos && part[times] == ':' && dash >= times;
+    if (!first || !last || !step || *last < *first || *step < 1 || isUnclear)
       refuse("frames", text,
-             "frames and ranges of frames, such as 1-48, 1-48x2, 7,10-12 or -5-5, in each range the smaller number "
+             "frames and ranges of frames, such as 1-48, 1-48x2 or 1-48:2, 7,10-12 or -5-5, in each range the smaller "
+             "number "
              "first");
     const std::int64_t length = (std::int64_t{*last} - *first) / *step;
     if (length >= kMostFrames) refuse("frames", text, "a range of at most " + most + " frames");

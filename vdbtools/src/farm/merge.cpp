@@ -257,8 +257,9 @@ MergeResult mergePlan(const fs::path& folder, const Manifest& manifest, const Me
     const std::vector<openvdb::GridBase::Ptr> grids =
         mergeGrids(folder, job, islands, attributes.get(), result, monitor);
     monitor.begin(PhaseKind::Writing, 0);
-    writeGrids(gridFile->stream(), gridFormat(*options.grids), grids,
-               vdbWriteOptions(job.options.output, manifest.metadata));
+    VdbWriteOptions write = vdbWriteOptions(job.options.output, manifest.metadata);
+    write.clamped = &result.clamped;
+    writeGrids(gridFile->stream(), gridFormat(*options.grids), grids, write);
   }
   monitor.throwIfCancelled();
   commit(files, result);

@@ -74,8 +74,14 @@ std::optional<Pattern> patternAt(std::string_view path, std::size_t begin, bool 
   }
   if (constexpr std::string_view kWord = "<frame>"; rest.starts_with(kWord))
     return Pattern{begin, kWord.size(), kDefaultWidth};
-  if (rest.starts_with('#') && inFileName) {
-    const std::size_t size = std::min(rest.find_first_not_of('#'), rest.size());
+  if (rest.starts_with("<F")) {
+    const std::string_view digits = digitsFrom(2);
+    const std::size_t size = 3 + digits.size();
+    if (size > rest.size() || rest[size - 1] != '>') return std::nullopt;
+    return Pattern{begin, size, widthOf(digits, rest.substr(0, size))};
+  }
+  if ((rest.starts_with('#') || rest.starts_with("@@")) && inFileName) {
+    const std::size_t size = std::min(rest.find_first_not_of(rest.front()), rest.size());
     return Pattern{begin, size, requireWidth(size, rest.substr(0, size))};
   }
   return std::nullopt;

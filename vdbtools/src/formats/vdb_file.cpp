@@ -13,11 +13,14 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <memory>
 #include <set>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 namespace vdbtools {
@@ -81,6 +84,72 @@ std::map<std::string, std::string> asText(const openvdb::MetaMap& metadata) {
 std::string creatorText(const std::optional<UpAxis>& up) {
   constexpr const char* kProgram = "JuliaVDB " JULIAVDB_VERSION;
   return up == UpAxis::Y ? std::string("Houdini axes (Y up), written by ") + kProgram : kProgram;
+}
+
+constexpr double kLargestInHalf = 65504;
+
+/// Sets a finite number beyond the range of half floats to its end. @return whether it was
+template <class Real>
+requires std::is_floating_point_v<Real>
+bool clampToHalf(Real& value) {
+  if (!(std::abs(value) > Real(kLargestInHalf)) || !std::isfinite(value)) return false;
+  value = std::copysign(Real(kLargestInHalf), value);
+  return true;
+}
+
+template <class Real>
+bool clampToHalf(openvdb::math::Vec3<Real>& vector) {
+  bool any = false;
+  for (int axis = 0; axis < 3; ++axis) any |= clampToHalf(vector[axis]);
+  return any;
+}
+
+/// Whether clampToHalf() would change the value.
+template <class Value>
+bool overflowsHalf(Value value) {
+  return clampToHalf(value);
+}
+
+template <class Tree>
+bool hasHalfOverflow(const Tree& tree) {
+  using Leaf = typename Tree::LeafNodeType;
+  if (overflowsHalf(tree.background())) return true;
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf)
+    if (std::any_of(leaf->buffer().data(), leaf->buffer().data() + Leaf::SIZE,
+                    [](const auto& value) { return overflowsHalf(value); }))
+      return true;
+  auto tile = tree.cbeginValueAll();
+  for (tile.setMaxDepth(Tree::DEPTH - 2); tile; ++tile)
+    if (overflowsHalf(*tile)) return true;
+  return false;
+}
+
+/// Replaces the grid by a copy without values that are too large for half floats, if it is of this type and has some.
+/// @return how many active values were too large
+template <class Grid>
+std::uint64_t clampGridToHalf(openvdb::GridBase::Ptr& grid) {
+  const auto typed = openvdb::gridPtrCast<Grid>(grid);
+  if (!typed || !hasHalfOverflow(typed->tree())) return 0;
+  const typename Grid::Ptr copy = typed->deepCopy();
+  std::uint64_t active = 0;
+  for (auto value = copy->beginValueAll(); value; ++value) {
+    typename Grid::ValueType clamped = *value;
+    if (!clampToHalf(clamped)) continue;
+    value.setValue(clamped);
+    if (value.isValueOn()) active += value.getVoxelCount();
+  }
+  typename Grid::ValueType background = copy->background();
+  clampToHalf(background);
+  copy->tree().root().setBackground(background, /*updateChildNodes=*/false);
+  grid = copy;
+  return active;
+}
+
+/// Prepares a grid for half floats.
+void limitToHalf(openvdb::GridBase::Ptr& grid, std::vector<ClampedGrid>* report) {
+  const std::uint64_t values = clampGridToHalf<openvdb::FloatGrid>(grid) + clampGridToHalf<openvdb::DoubleGrid>(grid) +
+                               clampGridToHalf<openvdb::Vec3SGrid>(grid) + clampGridToHalf<openvdb::Vec3DGrid>(grid);
+  if (report && values > 0) report->push_back({grid->getName(), values});
 }
 
 std::uint32_t writtenCompression() {
@@ -275,8 +344,10 @@ std::vector<openvdb::GridBase::Ptr> renamed(const std::vector<openvdb::GridBase:
 }
 
 std::string encodeVdb(const std::vector<openvdb::GridBase::Ptr>& given, const VdbWriteOptions& options) {
-  const std::vector<openvdb::GridBase::Ptr> grids = renamed(given, options.names);
+  std::vector<openvdb::GridBase::Ptr> grids = renamed(given, options.names);
   requireDistinctNames(grids);
+  if (options.half)
+    for (openvdb::GridBase::Ptr& grid : grids) limitToHalf(grid, options.clamped);
   openvdb::MetaMap metadata;
   for (const auto& [key, value] : options.metadata) metadata.insertMeta(key, openvdb::StringMetadata(value));
   if (options.up)

@@ -268,10 +268,11 @@ class MeshFiles final : public MeshSink {
 };
 
 void writeGrids(const Scene& scene, const std::map<std::string, std::string>& metadata, const FractalResult& result,
-                const FractalFiles& files) {
+                const FractalFiles& files, std::vector<ClampedGrid>* clamped) {
   if (!result.check.failure.empty())
     throw std::logic_error("the level set fails OpenVDB's check: " + result.check.failure);
-  const VdbWriteOptions options = vdbWriteOptions(scene.options.output, metadata);
+  VdbWriteOptions options = vdbWriteOptions(scene.options.output, metadata);
+  options.clamped = clamped;
   for (const FractalFile& wanted : files.files) {
     if (!wanted.format->writesGrids) continue;
     std::vector<NvdbWritten> written =
@@ -328,7 +329,7 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
   addMeshFiles(meshes, scene, meshBox(plan.nodes), metadata, files);
   FractalResult result = runFractal(scene, plan, plan.mesh ? &meshes : nullptr, monitor);
   monitor.begin(PhaseKind::Writing, 0);
-  if (files.wantGrids()) writeGrids(scene, metadata, result, files);
+  if (files.wantGrids()) writeGrids(scene, metadata, result, files, &result.clamped);
   result.levels = meshes.finish();
   monitor.throwIfCancelled();
   return result;
@@ -341,7 +342,7 @@ void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalRes
   if (files.wantGrids()) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
-  if (files.wantGrids()) writeGrids(scene, metadata, made, files);
+  if (files.wantGrids()) writeGrids(scene, metadata, made, files, nullptr);
   meshes.addPoints({mesh.points, mesh.normals, values});
   meshes.addTriangles(mesh.triangles, 0);
   meshes.finish();

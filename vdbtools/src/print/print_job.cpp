@@ -12,8 +12,10 @@
 #include "vdbtools/surface/level_set.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -202,7 +204,45 @@ double baseAreaOf(const Mesh& mesh, double near) {
   return area;
 }
 
+/// The area of the cross-section of a closed mesh at the height z: what lies above it casts the same shadow upwards and
+/// downwards, and the section is a part of the latter.
+double sectionArea(const Mesh& mesh, double z) {
+  double twice = 0;
+  for (const Vec3I& t : mesh.triangles) {
+    std::array<Vec3d, 4> corners;  // of the part above z
+    std::size_t count = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d &from = mesh.points[t[k]], &to = mesh.points[t[(k + 1) % 3]];
+      if (from[2] >= z) corners[count++] = from;
+      if ((from[2] >= z) != (to[2] >= z)) corners[count++] = from + (z - from[2]) / (to[2] - from[2]) * (to - from);
+    }
+    for (std::size_t i = 2; i < count; ++i) twice += (corners[i - 1] - corners[0]).cross(corners[i] - corners[0])[2];
+  }
+  return twice / 2;
+}
+
+/// Looks for a larger base, where that of the part is small.
+void adviseBase(PrintedPart& part, const Mesh& solid, double flatBase) {
+  const double enough = enoughBase(part.extents);
+  part.smallBase = part.baseArea < enough;
+  if (!part.smallBase) return;
+  constexpr int kSteps = 100;
+  for (int step = 1; step <= kSteps; ++step) {
+    const double z = part.extents[2] / 2 * step / kSteps;
+    // The edge of a base is as round as the lattice makes it, and the part is made again with another base.
+    const double radius = std::sqrt(sectionArea(solid, z) / std::numbers::pi) - part.voxelSize;
+    if (radius <= 0 || std::numbers::pi * radius * radius < 1.1 * enough) continue;
+    part.betterBase = flatBase + z;
+    return;
+  }
+}
+
 }  // namespace
+
+double enoughBase(const openvdb::Vec3d& extents) {
+  const double slender = extents[2] / 20;
+  return std::max(extents[0] * extents[1] / 100, slender * slender);
+}
 
 Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor) {
   openvdb::initialize();
@@ -287,6 +327,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
   part.keptIslands = volumes.size();
   const double voxel = part.voxelSize > 0 ? part.voxelSize : options.size / 1000;
   part.baseArea = baseAreaOf(solid, voxel / 100);
+  if (options.flatBase) adviseBase(part, solid, *options.flatBase);
 
   monitor.begin(PhaseKind::Thickness, 0);
   computeNormals(solid);

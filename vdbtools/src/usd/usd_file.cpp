@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/usd/usd_file.h"
 
+#include "vdbtools/base/text.h"
+
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <ostream>
 #include <set>
 #include <stdexcept>
@@ -42,17 +45,6 @@ std::string assetOf(const std::filesystem::path& path) {
   return mark + text + mark;
 }
 
-/// The name as a USD identifier.
-std::string identifierOf(const std::string& name) {
-  std::string result;
-  for (const char c : name) {
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_', digit = c >= '0' && c <= '9';
-    if (digit && result.empty()) result += '_';
-    result += letter || digit ? c : '_';
-  }
-  return result.empty() ? "_" : result;
-}
-
 std::string extentOf(const openvdb::BBoxd& box) {
   using openvdb::Vec3s;
   return "[" + tupleOf(Vec3s(box.min())) + ", " + tupleOf(Vec3s(box.max())) + "]";
@@ -77,13 +69,13 @@ void writeVolume(std::ostream& stream, const UsdScene& scene) {
                  [](const UsdFrame& frame) { return extentOf(frame.box); });
   std::set<std::string> names;
   for (const UsdField& field : scene.fields) {
-    const std::string name = identifierOf(field.grid);
+    const std::string name = usdIdentifier(field.grid);
     if (!names.insert(name).second)
       throw std::invalid_argument("two grids are called '" + name + "' in USD; give them names that differ");
     stream << "        custom rel field:" << name << " = </fractal/volume/" << name << ">\n";
   }
   for (const UsdField& field : scene.fields) {
-    stream << "\n        def OpenVDBAsset " << quoted(identifierOf(field.grid)) << "\n        {\n";
+    stream << "\n        def OpenVDBAsset " << quoted(usdIdentifier(field.grid)) << "\n        {\n";
     writeAttribute(stream, "            ", "asset filePath", scene.frames,
                    [](const UsdFrame& frame) { return assetOf(frame.vdb); });
     stream << "            token fieldName = " << quoted(field.grid) << '\n';
@@ -130,10 +122,28 @@ void writeMeshAttribute(std::ostream& stream, const UsdMeshes& meshes, const std
   stream << "        }\n";
 }
 
-const VertexAttribute* attributeOf(const Mesh& mesh, const char* name) {
+const VertexAttribute* attributeOf(const Mesh& mesh, const std::string& name) {
   for (const VertexAttribute& attribute : mesh.attributes)
     if (attribute.name == name) return &attribute;
   return nullptr;
+}
+
+/// USD knows no sign of what is not a number.
+std::string numberOf(float value) { return std::isnan(value) ? "nan" : textOf(value); }
+
+void writePrimvar(std::ostream& stream, const UsdMeshes& meshes, const UsdPrimvar& primvar, const char* details) {
+  writeMeshAttribute(
+      stream, meshes, (primvar.parts.size() == 1 ? "float[] primvars:" : "float3[] primvars:") + primvar.name,
+      [](const Mesh& mesh) { return mesh.points.size(); },
+      [&](const Mesh& mesh) {
+        std::vector<const std::vector<float>*> parts;
+        for (const std::string& part : primvar.parts) parts.push_back(&attributeOf(mesh, part)->values);
+        return [&stream, parts](std::size_t i) {
+          const std::string text = joined(parts, ", ", [i](const auto* values) { return numberOf((*values)[i]); });
+          stream << (parts.size() > 1 ? "(" + text + ")" : text);
+        };
+      },
+      details);
 }
 
 /// The origin of positions: the centre of the mesh, if it lies so far from the world's origin that floats are coarse.
@@ -197,6 +207,16 @@ void writeMeshPrim(std::ostream& stream, const UsdMeshes& meshes) {
           return [&](std::size_t i) { stream << tupleOf(openvdb::Vec3s(red[i], green[i], blue[i])); };
         },
         kVertex);
+  if (meshes.hasUvs)
+    writeMeshAttribute(
+        stream, meshes, "texCoord2f[] primvars:st", [](const Mesh& mesh) { return mesh.cornerUvs.size(); },
+        [&](const Mesh& mesh) {
+          return [&](std::size_t i) {
+            stream << '(' << numberOf(mesh.cornerUvs[i][0]) << ", " << numberOf(mesh.cornerUvs[i][1]) << ')';
+          };
+        },
+        " (\n            interpolation = \"faceVarying\"\n        )");
+  for (const UsdPrimvar& primvar : meshes.primvars) writePrimvar(stream, meshes, primvar, kVertex);
   if (centre != Vec3d(0))
     stream << "        double3 xformOp:translate = " << tupleOf(centre)
            << "\n        uniform token[] xformOpOrder = [\"xformOp:translate\"]\n";
@@ -204,6 +224,16 @@ void writeMeshPrim(std::ostream& stream, const UsdMeshes& meshes) {
 }
 
 }  // namespace
+
+std::string usdIdentifier(const std::string& name) {
+  std::string result;
+  for (const char c : name) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_', digit = c >= '0' && c <= '9';
+    if (digit && result.empty()) result += '_';
+    result += letter || digit ? c : '_';
+  }
+  return result.empty() ? "_" : result;
+}
 
 void writeUsda(std::ostream& stream, const UsdScene& scene) {
   if (scene.frames.empty() && !scene.mesh)

@@ -18,7 +18,10 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbtools {
@@ -96,6 +99,38 @@ void addFrame(const fs::path& path, std::optional<int> number, const UsdOptions&
   scene.frames.push_back({number, relativeTo(options.scene, path), boxOf(file)});
 }
 
+/// The attributes of a mesh that become primvars: all but colours and velocities, for which USD has names of its own.
+std::vector<UsdPrimvar> primvarsOf(const Mesh& mesh) {
+  const auto has = [&](const std::string& name) {
+    return std::any_of(mesh.attributes.begin(), mesh.attributes.end(),
+                       [&](const VertexAttribute& attribute) { return attribute.name == name; });
+  };
+  std::set<std::string> used = {"red", "green", "blue"}, names = {"displayColor", "st"};
+  std::vector<UsdPrimvar> primvars;
+  const auto add = [&](std::string name, std::vector<std::string> parts) {
+    used.insert(parts.begin(), parts.end());
+    // A glTF's own attributes begin with an underscore.
+    name = usdIdentifier(name.size() > 1 && name[0] == '_' ? name.substr(1) : name);
+    while (!names.insert(name).second) name += '_';
+    primvars.push_back({std::move(name), std::move(parts)});
+  };
+  for (const VertexAttribute& attribute : mesh.attributes) {
+    const std::string& name = attribute.name;
+    if (used.contains(name)) continue;
+    const std::string stem = name.substr(0, name.size() - std::min<std::size_t>(name.size(), 2));
+    const std::vector<std::string> vector = {stem + "_x", stem + "_y", stem + "_z"};
+    if (std::all_of(vector.begin(), vector.end(), has) && name.starts_with(stem + "_") && !stem.empty()) {
+      if (stem == "velocity" || stem == "VELOCITY")
+        used.insert(vector.begin(), vector.end());
+      else
+        add(stem, vector);
+    } else {
+      add(name, {name});
+    }
+  }
+  return primvars;
+}
+
 /// The meshes of a scene. Reads each of them as often as the scene asks for it, and keeps the last one.
 class MeshReader {
  public:
@@ -127,6 +162,14 @@ class MeshReader {
       throw DataError("'" + path.string() + "' has " + (hasVelocities ? "" : "no ") +
                       "velocities, unlike the first frame; make all frames in the same way");
     mMeshes.hasVelocities = hasVelocities;
+    mMeshes.hasUvs = (mEntries.size() == 1 || mMeshes.hasUvs) && !mMesh.cornerUvs.empty();
+    const std::vector<UsdPrimvar> primvars = primvarsOf(mMesh);
+    if (mEntries.size() == 1)
+      mMeshes.primvars = primvars;
+    else
+      std::erase_if(mMeshes.primvars, [&](const UsdPrimvar& primvar) {
+        return std::find(primvars.begin(), primvars.end(), primvar) == primvars.end();
+      });
     mMeshes.hasNormals = true;
     mMeshes.frames.push_back(number);
     openvdb::BBoxd& box = mMeshes.boxes.emplace_back();

@@ -35,6 +35,7 @@ struct MergeResult {
   std::uint64_t bandVoxels = 0;              ///< active voxels of that grid
   std::optional<IslandReport> islands;       ///< if islands were to be dropped
   std::optional<CrumbReport> crumbs;         ///< the crumbs that the tiles dropped, if they were to
+  std::vector<ClampedGrid> clamped;          ///< grids with values that were too large for a file of 16-bit floats
 };
 
 /// Checks what mergePlan() checks before it looks at a task: that the plan's tasks make what these files need, that the

@@ -108,9 +108,9 @@ struct KeyedOption {
 
 inline constexpr int kMostFrames = 100'000;
 
-/// Parses a list of frames and ranges such as "7", "1-48", "1-48x2" (every second one, from 1 on) or "1-48x8,1-48"
-/// (every eighth first, and then the others). Numbers may be negative, as in "-5-5" or "-8--4". The result is in the
-/// order of the list, each frame once.
+/// Parses a list of frames and ranges such as "7", "1-48", "1-48x2" or "1-48:2" (every second one, from 1 on) or
+/// "1-48x8,1-48" (every eighth first, and then the others). Numbers may be negative, as in "-5-5" or "-8--4". The
+/// result is in the order of the list, each frame once.
 /// @throw std::invalid_argument  not such a list, a reversed range, or more than kMostFrames
 std::vector<int> parseFrames(const std::string& text);
 

@@ -21,6 +21,8 @@ namespace vdbtools {
 ///     left alone. `${F4}` and `${F}` are the same and may stand before a letter.
 ///   - a run of `#`, one for each digit; only in the file's own name, since folder names often contain it.
 ///   - `%04d`, padded with zeros to 4 digits, or `%d`, not padded.
+///   - a run of two or more `@`, in the same way; a single one is a part of the name.
+///   - `<F4>` or `<F>`, as `$F4` or `$F`.
 ///   - `<frame>`, padded with zeros to 4 digits, as some programs for rendering write it.
 /// The sign of a negative number stands before its digits: `-0005` for `$F4` and `####`, as Blender has it, and `-005`
 /// for `%04d`, where printf counts the sign. A number too long for its padding is written in full. If the name has no

@@ -12,6 +12,7 @@
 #include "vdbtools/base/units.h"
 #include "vdbtools/mesh/mesh_sink.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <map>
@@ -25,8 +26,16 @@ namespace vdbtools {
 /// one.
 inline constexpr const char* kDistanceGrid = "julia_distance_grid";
 
+/// A grid with values too large for 16 bits.
+struct ClampedGrid {
+  std::string name;          ///< in the file
+  std::uint64_t values = 0;  ///< how many active values were too large
+};
+
 struct VdbWriteOptions {
-  bool half = false;  ///< 16-bit floats on disk: half the size, 3 digits
+  /// 16-bit floats on disk: half the size, 3 digits. Finite values beyond 65504 would become infinite, and are stored
+  /// as 65504 or -65504.
+  bool half = false;
   /// String metadata of the file and of every grid.
   std::map<std::string, std::string> metadata{};
   /// The axis that points up in the file; none if the file is for this program alone. It decides the text "creator" of
@@ -37,6 +46,8 @@ struct VdbWriteOptions {
   UpTurn turn{};
   /// The names that grids have in the file, by their own names; grids that are not listed keep theirs.
   std::map<std::string, std::string> names{};
+  /// Takes the grids with active values that were too large for 16 bits, if there are any.
+  std::vector<ClampedGrid>* clamped = nullptr;
 };
 
 /// Returns the grids with their names replaced as @a names says; grids that are not listed keep theirs. Values are

@@ -72,6 +72,7 @@ struct FractalResult {
   LevelSetCheck check;                  ///< of the level set, if the grids needed one
   std::optional<SolidMeasure> solid;    ///< of the mesh, unless it ends open at a box
   std::vector<MeshLevel> levels;        ///< levels of detail, if a GLB with them was written
+  std::vector<ClampedGrid> clamped;     ///< grids with values that were too large for a file of 16-bit floats
 };
 
 /// Makes the grids and the mesh of a scene.

@@ -45,11 +45,18 @@ struct PrintedPart {
   std::uint64_t thinPoints = 0;  ///< points of the given mesh where it was too thin
   double voxelSize = 0;          ///< millimetres; 0: no lattice was used
   double baseArea = 0;           ///< area that stands on z = 0, millimetres squared
+  /// Set if a flat base was asked for and is smaller than a part of this size should have (enoughBase()).
+  bool smallBase = false;
+  std::optional<double> betterBase;  ///< the flatBase that makes it large enough, if one up to half of the height does
   /// Measurements of the finished mesh, relative to the requested minimum thickness, or to 1 mm without one.
   double thinnest = 0;           ///< the smallest thickness found, up to twice that minimum, millimetres
   std::uint64_t places = 0;      ///< number of places where it was measured
   std::uint64_t thinPlaces = 0;  ///< number of places where it is below the minimum by more than kThicknessRounding
 };
+
+/// The least area on which a part should stand: a hundredth of the rectangle about it, and for a slender one the square
+/// of a twentieth of its height. A rule of thumb.
+double enoughBase(const openvdb::Vec3d& extents);
 
 /// The relative error of a measured thickness.
 inline constexpr double kThicknessRounding = 0.02;

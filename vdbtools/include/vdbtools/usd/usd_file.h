@@ -36,6 +36,14 @@ struct UsdFrame {
   openvdb::BBoxd box;         ///< bounds of the grids, world units
 };
 
+/// Numbers at the points of a mesh, of one or three components.
+struct UsdPrimvar {
+  std::string name;                ///< an identifier of USD
+  std::vector<std::string> parts;  ///< the attributes of the mesh that are its components
+
+  bool operator==(const UsdPrimvar&) const = default;
+};
+
 /// A mesh, or one for each frame, whose points and triangles may all differ.
 struct UsdMeshes {
   std::vector<std::optional<int>> frames;  ///< one without a number, or any number of them in ascending order
@@ -43,6 +51,8 @@ struct UsdMeshes {
   bool hasNormals = false;
   bool hasColours = false;     ///< the attributes red, green and blue, as linear light
   bool hasVelocities = false;  ///< the attributes velocity_x, velocity_y and velocity_z, in the axes of the scene
+  bool hasUvs = false;         ///< Mesh::cornerUvs
+  std::vector<UsdPrimvar> primvars{};  ///< of all meshes, each by a name of its own
   /// The mesh at a place of the list, in the axes of the scene. The scene asks for each of them several times, one
   /// after the other, and the result is valid until the next call.
   std::function<const Mesh&(std::size_t)> at;
@@ -57,6 +67,9 @@ struct UsdScene {
   std::optional<UsdMeshes> mesh{};
   std::optional<std::pair<int, int>> range{};  ///< the first and the last frame, if there are frames
 };
+
+/// The name as an identifier of USD.
+std::string usdIdentifier(const std::string& name);
 
 /// Writes a scene. The same scene gives the same bytes.
 /// @throw std::invalid_argument  neither a frame nor a mesh; two fields whose names become the same identifier
