@@ -3,6 +3,7 @@
 
 #include "options.h"
 
+#include "vdbtools/base/text.h"
 #include "vdbtools/maps/texture_shelf.h"
 #include "vdbtools/recipe/option_table.h"
 #include "vdbtools/recipe/option_value.h"
@@ -19,6 +20,28 @@ namespace po = boost::program_options;
 
 namespace cli {
 namespace {
+
+struct Variable {
+  const char* name;
+  const char* meaning;
+  const char* command = "";  ///< the only one that reads it; empty: all do
+};
+
+constexpr Variable kVariables[] = {
+    {"SLURM_CPUS_PER_TASK", "the number of threads, where --threads is not given"},
+    {"SLURM_CPUS_ON_NODE", "the same, in a job of Slurm without SLURM_CPUS_PER_TASK"},
+    {"JULIAVDB_MEMORY", "how much memory a run may take, where --memory is not given"},
+    {"TMPDIR", "the folder for temporary files"},
+    {"JULIAVDB_DEVICE_CACHE",
+     "the folder in which programs of devices are kept, or none (default: juliavdb/devices in XDG_CACHE_HOME or "
+     "~/.cache)"},
+    {"JULIAVDB_DEVICE_TIMEOUT", "how long the compiler of a device may take, in seconds"},
+    {"JULIAVDB_OPENCL", "the library by which drivers of OpenCL are found"},
+    {"JULIAVDB_OPENCL_DRIVER", "the driver of OpenCL that is used, a library"},
+    {"SLURM_ARRAY_TASK_ID", "the number of the task that 'juliavdb task' makes, where none is given", "task"},
+    {"SLURM_ARRAY_TASK_STEP", "how many tasks from there on it makes", "task"},
+    {"PARALLEL_SEQ", "the number of the task, outside of Slurm", "task"},
+};
 
 /// The common description of an option for both kinds of readers.
 struct Option {
@@ -175,6 +198,13 @@ std::string manualText(const std::string& text) {
   return result;
 }
 
+void writeVariables(std::ostream& stream, const std::string& command) {
+  stream << ".SH ENVIRONMENT\n";
+  for (const Variable& variable : kVariables)
+    if (command.empty() || *variable.command == 0 || variable.command == command)
+      stream << ".TP\n.B " << manualText(variable.name) << '\n' << manualText(variable.meaning) << '\n';
+}
+
 void writeManualPage(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups) {
   std::string page = std::string("juliavdb-") + usage.command;
   std::replace(page.begin(), page.end(), ' ', '-');
@@ -195,14 +225,27 @@ void writeManualPage(std::ostream& stream, const Usage& usage, const std::vector
   std::istringstream examples(usage.examples);
   for (std::string line; std::getline(examples, line);)
     stream << manualText(line.substr(std::min<std::size_t>(2, line.size()))) << '\n';
-  stream << ".fi\n.SH SEE ALSO\n.BR juliavdb (1)\n";
+  stream << ".fi\n";
+  writeVariables(stream, usage.command);
+  stream << ".SH SEE ALSO\n.BR juliavdb (1)\n";
 }
 
-void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups) {
+void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups,
+                          const vdbtools::OptionTable& own, const vdbtools::OptionTable& recipe) {
+  const std::map<std::string, nlohmann::json> tables = tableData(own, recipe);
+  // Lists, whose words the argument in the help does not name.
+  const auto listOf = [&](const Option& option) -> std::string {
+    const auto found = tables.find(option.name);
+    if (found == tables.end() || !found->second.contains("type")) return {};
+    const nlohmann::json& type = found->second["type"];
+    if (type["kind"] != "list" || !type.contains("words")) return {};
+    return " list " + vdbtools::joined(type["words"].get<std::vector<std::string>>(), " ");
+  };
   if (usage.words) stream << "words " << usage.words << '\n';
   for (const OptionGroup& group : groups)
     for (const Option& option : optionsOf(group)) {
-      const std::string what = ' ' + kindOf(option) + wordsOf(option) + '\n';
+      const std::string list = listOf(option);
+      const std::string what = (list.empty() ? ' ' + kindOf(option) + wordsOf(option) : list) + '\n';
       stream << "--" << option.name << what;
       if (option.letter != 0) stream << '-' << option.letter << what;
     }

@@ -25,10 +25,14 @@ struct OptionGroup {
 /// The manual page of a command, for `man`.
 void writeManualPage(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups);
 
+/// The section of a manual page on variables of the environment. @param command  empty: those of all commands
+void writeVariables(std::ostream& stream, const std::string& command);
+
 /// Writes one line for each option, "--name KIND [WORD ...]". KIND says what follows the option: nothing (flag), a
-/// file, a folder, or some other value. WORDs are values that it may have. The command's own words come first, after
-/// "words".
-void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups);
+/// file, a folder, a list of words with commas between them, or some other value. WORDs are values that it may have.
+/// The command's own words come first, after "words".
+void writeCompletionTable(std::ostream& stream, const Usage& usage, const std::vector<OptionGroup>& groups,
+                          const vdbtools::OptionTable& own, const vdbtools::OptionTable& recipe);
 
 /// Writes {command, groups: [{heading, options}]}. An option has at least a *name* without dashes, an *argument*, which
 /// is empty for a flag, and a *help*; one with a short form also has its *letter*. What else an option of a table has

@@ -50,7 +50,7 @@ const Command kCommands[] = {
     {"maps", runMaps, "list the maps and their options"},
     {"devices", runDevices, "list the devices of OpenCL on which maps can be evaluated"},
     {"man", runMan, "write the manual pages"},
-    {"completion", runCompletion, "write the completion of command lines for bash"},
+    {"completion", runCompletion, "write the completion of command lines for a shell"},
 };
 
 std::string helpText() {

@@ -44,11 +44,12 @@ namespace {
 // With abbreviations, every new option would change the command line.
 constexpr int kStyle = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
 constexpr int kMostThreads = 4096;
-constexpr std::size_t kMostAtOnce = 30;  ///< a command with more options shows groups of them
+constexpr std::size_t kMostAtOnce = 32;  ///< a command with more options shows groups of them
 
 constexpr const char* kConfig = "config";
 constexpr const char* kRecipeAlias = "recipe";  ///< another name of --config
 constexpr const char* kTrustImporter = "trust-importer";
+constexpr const char *kQuietOption = "quiet", *kVerboseOption = "verbose";
 
 constexpr const char* kOwn = "Options";
 constexpr const char* kCommon = "Common options";
@@ -197,7 +198,13 @@ CommandLine::CommandLine(const Usage& usage, vdbtools::OptionTable recipeOptions
                        "give it for files that you trust only (docs/targets.md)")(
       "progress", po::value<std::string>()->value_name("bar|json|none"),
       "how to show progress on stderr: a bar with the time left for work of more than two seconds (the default), "
-      "nothing, or for other programs one JSON object a line and no other text (docs/progress.md)")(
+      "nothing, or for other programs one JSON object a line and no other text (docs/progress.md). Notes and the "
+      "summary "
+      "are printed with none, too; --quiet leaves them out")(
+      kQuietOption, po::value<std::string>()->implicit_value("true")->zero_tokens(),
+      "print warnings and failures only: no progress, no notes, and no summary")(
+      kVerboseOption, po::value<std::string>()->implicit_value("true")->zero_tokens(),
+      "also print at the end how long each phase took, and how much memory the run took at most")(
       "help,h",
       "describe the command; --help all, --help GROUP or --help NAME shows all of its options, a group of them or one");
 }
@@ -292,6 +299,7 @@ bool CommandLine::parse(const Arguments& arguments) {
     describe(text("describe"));
     return false;
   }
+  applyTalk();
   applyThreads();
   vdbtools::startScheduler();
   applyInstructions();
@@ -303,8 +311,10 @@ bool CommandLine::parse(const Arguments& arguments) {
   if (mUsage.hides) mGiven.erase(mUsage.hides);
   if (has("config")) readConfig(text("config"));
   mRecipe = vdbtools::completeRecipe(mGiven, mTable);
-  mProgress =
-      std::make_unique<Progress>(parseProgressStyle(has("progress") ? text("progress") : "bar"), mUsage.command);
+  mProgress = std::make_unique<Progress>(parseProgressStyle(has("progress")     ? text("progress")
+                                                            : has(kQuietOption) ? "none"
+                                                                                : "bar"),
+                                         mUsage.command);
   return true;
 }
 
@@ -394,6 +404,19 @@ void CommandLine::applyThreads() {
   // Kept until the process ends: to release the limit, oneTBB may start threads, which can fail at exit.
   [[maybe_unused]] static tbb::global_control* control = nullptr;
   control = new tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*threads));
+}
+
+void CommandLine::applyTalk() const {
+  for (const char* name : {kQuietOption, kVerboseOption})
+    if (has(name) && report().json())
+      throw std::invalid_argument(std::string("--") + name +
+                                  " has no effect: --progress json prints events only; leave it out");
+  if (has(kQuietOption) && has(kVerboseOption))
+    throw std::invalid_argument("--quiet and --verbose exclude each other; leave one of them out");
+  if (has(kQuietOption) && has("progress") && text("progress") != "none")
+    throw std::invalid_argument("--quiet shows no progress, and --progress asks for it; leave one of them out");
+  if (has(kQuietOption)) report().setTalk(Talk::Quiet);
+  if (has(kVerboseOption)) report().setTalk(Talk::Verbose);
 }
 
 void CommandLine::applyInstructions() const {
@@ -548,7 +571,7 @@ void CommandLine::describe(const std::string& how) const {
   if (how == "man")
     writeManualPage(std::cout, mUsage, described);
   else if (how == "completion")
-    writeCompletionTable(std::cout, mUsage, described);
+    writeCompletionTable(std::cout, mUsage, described, vdbtools::OptionTable(mOwnSpecs), mTable);
   else if (how == "json")
     writeDescription(std::cout, mUsage, described, vdbtools::OptionTable(mOwnSpecs), mTable);
   else

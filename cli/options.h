@@ -125,6 +125,7 @@ class CommandLine {
   std::vector<std::string> wordsOf(const std::string& name) const;
   void takePipes() const;
   void applyThreads();
+  void applyTalk() const;
   void applyInstructions() const;
   void applyDevice() const;
   void printHelp(const std::string& topic) const;

@@ -3,6 +3,9 @@
 
 #include "exit_code.h"
 
+#include "vdbtools/base/memory.h"
+#include "vdbtools/base/text.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -13,6 +16,7 @@
 #include <sstream>
 #include <thread>
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace cli {
@@ -75,6 +79,16 @@ std::string SharedText::lines() {
   return lock ? mText.substr(0, mText.rfind('\n') + 1) : std::string();
 }
 
+int WarningLines::overflow(int_type c) {
+  if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+  mLine += traits_type::to_char_type(c);
+  if (mLine.ends_with('\n')) {
+    if (mLine.starts_with("warning: ")) std::cerr << mLine;
+    mLine.clear();
+  }
+  return c;
+}
+
 Report& report() {
   static Report theReport;
   return theReport;
@@ -91,7 +105,7 @@ void Report::start(std::string command, bool json) {
   writeOut(line);
 }
 
-std::ostream& Report::text() { return mJson ? mText : std::cerr; }
+std::ostream& Report::text() { return mJson ? mText : mTalk == Talk::Quiet ? mWarnings : std::cerr; }
 
 void Report::keep(const std::string& name, Number value) {
   const std::lock_guard lock(mMutex);
@@ -162,6 +176,7 @@ void Report::end(int exitCode, const std::string& error) {
   if (!lock || mEnded) return;  // a thread that has crashed with it prints nothing any more
   mEnded = true;
   if (!mJson) {
+    if (mTalk == Talk::Verbose) std::cerr << whatItTook();
     if (!error.empty()) std::cerr << "juliavdb: " << error << std::endl;
     return;
   }
@@ -193,6 +208,24 @@ double Report::cpuSeconds() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+std::string Report::whatItTook() const {
+  std::ostringstream text;
+  const auto seconds = [&](double wall, double cpu) {
+    text << vdbtools::shortText(wall) << " s, " << vdbtools::shortText(cpu) << " s of CPU time";
+  };
+  for (const Phase& phase : mPhases) {
+    text << phase.name << ": ";
+    seconds(phase.wall, phase.cpu);
+    text << '\n';
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  text << "in all: ";
+  seconds(wallSeconds(), cpuSeconds());
+  text << ", at most " << vdbtools::memoryText(1024.0 * static_cast<double>(usage.ru_maxrss)) << " of memory\n";
+  return std::move(text).str();
 }
 
 std::string Report::lineOf(nlohmann::json event) const {

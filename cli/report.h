@@ -38,11 +38,25 @@ class SharedText final : public std::streambuf {
   std::string mText;
 };
 
+/// Passes on the lines that are warnings, and swallows the others.
+class WarningLines final : public std::streambuf {
+ protected:
+  int_type overflow(int_type c) override;
+
+ private:
+  std::string mLine;
+};
+
+/// Which sentences are printed: warnings alone, all, or also what the work took.
+enum class Talk { Quiet, Usual, Verbose };
+
 class Report {
  public:
   /// Call once, before the work. @param command  the first word of the command line, if there is one
   void start(std::string command, bool json);
   bool json() const { return mJson; }
+  /// Call it before the first sentence. @pre  not in JSON mode
+  void setTalk(Talk talk) { mTalk = talk; }
 
   /// The stream for the sentences of a command that has finished its work. In JSON mode they wait for the closing
   /// event.
@@ -90,7 +104,13 @@ class Report {
   std::string lineOf(nlohmann::json event) const;
 
   const std::chrono::steady_clock::time_point mStart = std::chrono::steady_clock::now();
+  /// How long each phase took, and the process as a whole. mMutex must be held.
+  std::string whatItTook() const;
+
   std::atomic<bool> mJson{false};
+  std::atomic<Talk> mTalk{Talk::Usual};
+  WarningLines mWarningLines;
+  std::ostream mWarnings{&mWarningLines};
   SharedText mSentences;
   std::ostream mText{&mSentences};
   // Keeps the order of lines. Its holder may block forever on a reader of stderr. Lock it before the other mutex.

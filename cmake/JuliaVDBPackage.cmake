@@ -21,6 +21,8 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_THREADS 0)
 
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/JuliaVDBDebian.cmake)
+
 # One component alone goes into the package.
 set(CPACK_COMPONENTS_ALL Runtime)
 set(CPACK_DEB_COMPONENT_INSTALL ON)

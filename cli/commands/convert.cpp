@@ -8,6 +8,7 @@
 #include "report.h"
 #include "sequence.h"
 
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/scene/attribute_options.h"
@@ -61,30 +62,34 @@ void convertVdb(const CommandLine& line, const std::string& input, const GridOut
   const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
   std::vector<std::string> own;
   for (const auto& grid : vdb.grids) own.push_back(grid->getName());
-  const vdbtools::GridNames names = vdbtools::parseGridNames(line.text("grid-names"), own);
+  const vdbtools::GridNames names = vdbtools::parseGridNames(line.text("grid-names"), own, /*ofOthers=*/true);
   run.monitor.throwIfCancelled();
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
   if (output.format->points) requireWritable(vdb, input);
-  const std::vector<vdbtools::NvdbWritten> written =
   vdbtools::VdbWriteOptions write = writeOptions(vdb, names);
   std::vector<vdbtools::ClampedGrid> clamped;
   write.clamped = &clamped;
+  const std::vector<vdbtools::NvdbWritten> written =
       vdbtools::writeGrids(file, *output.format, vdb.grids, write, output.values);
   run.monitor.throwIfCancelled();
   run.outputs.commit(run.isLast);
   report().count("grids", vdb.grids.size());
   report().text() << "wrote " << run.outputs.names() << ": " << vdb.grids.size()
                   << (vdb.grids.size() == 1 ? " grid" : " grids") << '\n';
+  const auto changesName = [](const auto& pair) { return pair.first != pair.second; };
+  if (line.has("grid-names") && std::ranges::none_of(names, changesName))
+    report().text() << "note: the grids have these names already: " << vdbtools::inOneLine(vdbtools::joined(own))
+                    << '\n';
   for (const vdbtools::VdbFile::UnreadGrid& grid : vdb.unread)
     report().text() << "note: the grid " << vdbtools::inOneLine(grid.name) << " of the unknown type "
                     << vdbtools::inOneLine(grid.type) << " was left out\n";
   tellNvdb(written);
+  tellClamped(clamped);
 }
 
 }  // namespace
 
 int runConvert(const Arguments& arguments) {
-  tellClamped(clamped);
   CommandLine line(kConvertUsage, vdbtools::OptionTable());
   line.addPositional("vdb", 1, "the VDB");
   line.addOptions()("output,o", po::value<std::string>()->value_name("F.nvdb"),

@@ -33,10 +33,16 @@ constexpr Usage kManUsage = {
     "  juliavdb man -o man1\n"};
 
 constexpr Usage kCompletionUsage = {
-    "completion", "",
-    "Writes the completion of command lines for bash: commands, their options, and the values that these may have. An "
-    "installed package has it already; otherwise 'source' it in ~/.bashrc.",
-    "  juliavdb completion > juliavdb.bash\n"};
+    "completion",
+    "[bash|zsh|fish]",
+    "Writes the completion of command lines for a shell, by default bash: commands, their options, and the values that "
+    "these may have. An installed package has all three. Otherwise 'source' that for bash in ~/.bashrc, put that for "
+    "zsh into a folder of its fpath as _juliavdb, and that for fish into ~/.config/fish/completions.",
+    "  juliavdb completion > juliavdb.bash\n"
+    "  juliavdb completion zsh > _juliavdb\n"
+    "  juliavdb completion fish > juliavdb.fish\n",
+    nullptr,
+    "bash zsh fish"};
 
 constexpr std::pair<ExitCode, const char*> kExits[] = {
     {kDone, "done"},
@@ -49,15 +55,6 @@ constexpr std::pair<ExitCode, const char*> kExits[] = {
     {kInterrupted,
      "stopped by a signal, or the disk of another machine did not answer; no file is half written, and the same "
      "command may be tried again"},
-};
-
-constexpr std::pair<const char*, const char*> kVariables[] = {
-    {"SLURM_CPUS_PER_TASK", "the number of threads, where --threads is not given"},
-    {"SLURM_CPUS_ON_NODE", "the same, in a job of Slurm without SLURM_CPUS_PER_TASK"},
-    {"JULIAVDB_MEMORY", "how much memory a run may take, where --memory is not given"},
-    {"SLURM_ARRAY_TASK_ID", "the number of the task that 'juliavdb task' makes, where none is given"},
-    {"SLURM_ARRAY_TASK_STEP", "how many tasks from there on it makes"},
-    {"PARALLEL_SEQ", "the number of the task, outside of Slurm"},
 };
 
 /// All commands, and the parts of those that have parts, by the words that are typed: "fractal", "plan", "plan frames".
@@ -103,9 +100,7 @@ std::string programPage() {
   page << ".SH OPTIONS\n.TP\n\\fB\\-h\\fR, \\fB\\-\\-help\\fR\nlist the commands; after a command, describe it\n.TP\n"
           "\\fB\\-\\-version\\fR\nprint the version\n.SH EXIT STATUS\n";
   for (const auto& [code, meaning] : kExits) page << ".TP\n.B " << code << '\n' << manualText(meaning) << '\n';
-  page << ".SH ENVIRONMENT\n";
-  for (const auto& [variable, meaning] : kVariables)
-    page << ".TP\n.B " << variable << '\n' << manualText(meaning) << '\n';
+  writeVariables(page, "");
   return page.str();
 }
 
@@ -127,13 +122,28 @@ void writePages(const std::filesystem::path& folder) {
   report().text() << "wrote " << files.files().size() << " pages into " << folder.string() << '\n';
 }
 
-constexpr const char* kCompletionHead = R"(# Completion of juliavdb for bash.
+// Each script has the same table, and a function that reads it. _juliavdb_table COMMAND prints a line for each option:
+// its name, what follows it, and values that it may have, which with "list" may stand in a list with commas between
+// them.
+constexpr const char* kBashHead = R"(# Completion of juliavdb for bash.
 # _juliavdb_table COMMAND prints a line for each option: its name, what follows it, and values that it may have.
 _juliavdb_table() {
   case $1 in
 )";
 
-constexpr const char* kCompletionTail = R"(    *) return 1 ;;
+constexpr const char* kZshHead = R"(#compdef juliavdb
+# _juliavdb_table COMMAND prints a line for each option: its name, what follows it, and values that it may have.
+_juliavdb_table() {
+  case $1 in
+)";
+
+constexpr const char* kFishHead = R"(# Completion of juliavdb for fish.
+# __juliavdb_table COMMAND prints a line for each option: its name, what follows it, and values that it may have.
+function __juliavdb_table
+  switch "$argv[1]"
+)";
+
+constexpr const char* kBashTail = R"(    *) return 1 ;;
   esac
 }
 
@@ -160,6 +170,9 @@ _juliavdb() {
       [[ $kind == file ]] && compopt -o default 2>/dev/null
       [[ $kind == folder ]] && compopt -o dirnames 2>/dev/null
       COMPREPLY=($(compgen -W "$words" -- "$cur"))
+      if [[ $kind == list && $cur == *,* ]]; then
+        COMPREPLY=($(compgen -P "${cur%,*}," -W "$words" -- "${cur##*,}"))
+      fi
       return
     fi
   done < <(_juliavdb_table "$key")
@@ -175,10 +188,123 @@ _juliavdb() {
 complete -F _juliavdb juliavdb
 )";
 
-/// A case of _juliavdb_table.
-std::string completionCase(const std::string& command, const std::string& table) {
+constexpr const char* kZshTail = R"(    *) return 1 ;;
+  esac
+}
+
+_juliavdb() {
+  local cur=$words[CURRENT] option=$words[CURRENT-1] key= first= name kind values
+  local -a options
+  # --name=value is one word.
+  if [[ $cur == --*=* ]]; then
+    option=${cur%%=*}
+    compset -P '*='
+    cur=${cur#*=}
+  fi
+  (( CURRENT > 2 )) && key=$words[2]
+  if (( CURRENT > 3 )) && _juliavdb_table "$key $words[3]" >/dev/null; then
+    key+=" $words[3]"
+  fi
+  while read -r name kind values; do
+    if [[ $name == words ]]; then
+      first="$kind $values"
+      continue
+    fi
+    options+=($name)
+    if [[ $name == $option && $kind != flag ]]; then
+      [[ $kind == file ]] && _files
+      [[ $kind == folder ]] && _files -/
+      [[ $kind == list ]] && compset -P '*,'
+      [[ -n $values ]] && compadd -- ${(Q)${=values}}
+      return
+    fi
+  done < <(_juliavdb_table "$key")
+  if [[ $cur == -* ]]; then
+    compadd -- $options
+  elif [[ -n $first ]] && (( CURRENT <= 3 )); then
+    compadd -- ${=first}
+  elif (( CURRENT > 2 )); then
+    _files
+  fi
+}
+
+_juliavdb "$@"
+)";
+
+constexpr const char* kFishTail = R"(    case '*'
+      return 1
+  end
+end
+
+function __juliavdb_complete
+  set -l typed (commandline -opc)
+  set -l cur (commandline -ct)
+  set -l option $typed[-1]
+  set -l key ''
+  set -l before ''
+  if string match -q -- '--*=*' $cur
+    set option (string split -m 1 = -- $cur)[1]
+    set before $option=
+  end
+  test (count $typed) -gt 1; and set key $typed[2]
+  if test (count $typed) -gt 2; and __juliavdb_table "$key $typed[3]" >/dev/null
+    set key "$key $typed[3]"
+  end
+  set -l options
+  set -l first
+  for line in (__juliavdb_table "$key")
+    set -l parts (string split ' ' -- $line)
+    if test $parts[1] = words
+      set first $parts[2..-1]
+      continue
+    end
+    set -a options $parts[1]
+    if test $parts[1] = "$option"; and test $parts[2] != flag
+      if test $parts[2] = file; or test $parts[2] = folder
+        __fish_complete_path (string replace -- "$before" '' $cur)
+      end
+      if test $parts[2] = list; and string match -q -- '*,*' $cur
+        set before (string replace -r -- '[^,]*$' '' $cur)
+      end
+      for value in $parts[3..-1]
+        printf '%s\n' $before(string unescape -- $value)
+      end
+      return
+    end
+  end
+  if string match -q -- '-*' $cur
+    printf '%s\n' $options
+  else if test (count $first) -gt 0; and test (count $typed) -le 2
+    printf '%s\n' $first
+  else if test (count $typed) -gt 1
+    __fish_complete_path $cur
+  end
+end
+
+complete -c juliavdb -f -a '(__juliavdb_complete)'
+)";
+
+struct Shell {
+  const char* name;
+  const char *head, *tail;
+  /// A case of the table, for a command and its lines.
+  std::string (*caseOf)(const std::string& command, const std::string& table);
+};
+
+std::string caseOfBash(const std::string& command, const std::string& table) {
   return "    '" + command + "') cat <<'END'\n" + table + "END\n      ;;\n";
 }
+
+/// A text between single quotes, within which fish has these two escapes.
+std::string caseOfFish(const std::string& command, const std::string& table) {
+  std::string text;
+  for (const char c : table) text += c == '\\' || c == '\'' ? std::string("\\") + c : std::string(1, c);
+  return "    case '" + command + "'\n      printf '%s' '" + text + "'\n";
+}
+
+constexpr Shell kShells[] = {{"bash", kBashHead, kBashTail, caseOfBash},
+                             {"zsh", kZshHead, kZshTail, caseOfBash},
+                             {"fish", kFishHead, kFishTail, caseOfFish}};
 
 }  // namespace
 
@@ -210,13 +336,16 @@ int runMan(const Arguments& arguments) {
 
 int runCompletion(const Arguments& arguments) {
   CommandLine line(kCompletionUsage, vdbtools::OptionTable());
+  line.addPositional("shell", 1, "the shell");
   if (!line.parse(arguments)) return kDone;
+  const std::string wanted = line.has("shell") ? line.text("shell") : kShells[0].name;
+  const auto shell = std::ranges::find(kShells, wanted, &Shell::name);
+  if (shell == std::end(kShells)) line.refuse("shell", "bash, zsh or fish");
   std::string words = "words";
   for (const Command& command : commands()) words += std::string(" ") + command.name;
-  std::cout << kCompletionHead << completionCase("", words + "\n--help flag\n--version flag\n");
-  for (const auto& [name, command] : allCommands())
-    std::cout << completionCase(name, described(*command, "completion"));
-  std::cout << kCompletionTail;
+  std::cout << shell->head << shell->caseOf("", words + "\n--help flag\n--version flag\n");
+  for (const auto& [name, command] : allCommands()) std::cout << shell->caseOf(name, described(*command, "completion"));
+  std::cout << shell->tail;
   return kDone;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "julia/brick_field.h"
 
+#include "julia/norm_bound.h"
+
 #include "ball_arithmetic.h"
 #include "brick_lattice.h"
 #include "brick_pyramid.h"
@@ -46,16 +48,10 @@ BrickField<Real>::BrickField(std::shared_ptr<const Bricks> bricks, const BrickPl
                                   " do not lie within " + std::to_string(end) + " nodes");
   }
   placeLattice<Real>(placement, mBricks->count, *lattice);
-  // The norm of M M^T is at most its largest sum over a row, which is exact for a similarity.
-  for (const auto& row : lattice->matrix) {
-    double sum = 0;
-    for (const auto& column : lattice->matrix) {
-      double dot = 0;
-      for (std::size_t k = 0; k < 3; ++k) dot += static_cast<double>(row[k]) * static_cast<double>(column[k]);
-      sum += std::abs(dot);
-    }
-    lattice->stretch = std::max(lattice->stretch, std::sqrt(sum) * (1 + kSlack));
-  }
+  std::array<std::array<double, 3>, 3> rounded{};
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t k = 0; k < 3; ++k) rounded[row][k] = static_cast<double>(lattice->matrix[row][k]);
+  lattice->stretch = normBound(rounded) * (1 + kSlack);
   if (!(placement.knee.more >= 0))
     throw std::invalid_argument("below its knee a field has " + std::to_string(placement.knee.more) +
                                 " more slope; it must be 0 or more");

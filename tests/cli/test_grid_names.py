@@ -57,6 +57,25 @@ class GridNames(harness.CliTest):
             for own, name in names.items():
                 self.same_voxels("plain.vdb", own, "c.vdb", name)
 
+    def test_the_names_of_programs_undo_each_other(self):
+        """Whichever program a VDB was made for, `convert` makes it one for any other, and says where there was nothing to do."""
+        self.ok("fractal", "t.obj", *LOW, *ALL[:2], "-o", "plain.vdb", "--attributes", "Cd,trap,velocity", "--target-before", "t.obj",
+                "--fps", 24)
+        wanted = {program: {**names, "velocity": "v" if program == "houdini" else "velocity"} for program, names in NAMES.items()}
+        for program, names in wanted.items():
+            self.ok("convert", "plain.vdb", "-o", "from.vdb", "--grid-names", program)
+            for other, renamed in wanted.items():
+                said = self.ok("convert", "from.vdb", "-o", "to.vdb", "--grid-names", other)
+                self.assertEqual(self.names("to.vdb"), sorted(renamed.values()), (program, other))
+                self.assertEqual("have these names already" in said, renamed == names, (program, other, said))
+                for own, name in renamed.items():
+                    self.same_voxels("plain.vdb", own, "to.vdb", name)
+        self.ok("convert", "from.vdb", "-o", "both.vdb", "--grid-names", "houdini,color=tint")
+        self.assertIn("tint", self.names("both.vdb"))
+        self.ok("fractal", "t.obj", *LOW, *ALL, "-o", "mixed.vdb", "--grid-names", "trap=color")
+        self.ok("convert", "mixed.vdb", "-o", "kept.vdb", "--grid-names", "houdini")
+        self.assertEqual(self.names("kept.vdb"), sorted(["surface", "density", "Cd", "color"]), "Cd is there already")
+
     def test_single_names(self):
         self.ok("fractal", "t.obj", *LOW, *ALL, "-o", "f.vdb", "--grid-names", "blender,trap=temperature,surface=shape")
         self.assertEqual(self.names("f.vdb"), ["color", "density", "shape", "temperature"])

@@ -147,6 +147,8 @@ CHANGES_NOTHING = {
     "device": "nor on the device: cli_device",
     "memory": "what is too large is refused: cli_resources",
     "trust-importer": "nothing else is read with it than before: cli_targets",
+    "quiet": "it says less on the way: cli_progress",
+    "verbose": "it says more at the end: cli_progress",
     "search": "files that have moved are found: cli_moved_files",
     "force": "frames that are there are made again: cli_sequence",
     "keep-going": "the frames behind one that fails are made: cli_sequence",

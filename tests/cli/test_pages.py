@@ -2,6 +2,7 @@
 """The manual pages and the completion: that they are well formed, and that they say what --help says."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -58,6 +59,9 @@ class Pages(harness.CliTest):
                 text = re.sub(rb"\x1b\[\d*m|.\x08", b"", run.stdout).decode()
                 self.assertIn(page.stem + " - ", text)
                 self.assertIn("SEE ALSO" if page.stem != "juliavdb" else "EXIT STATUS", text)
+                self.assertIn("ENVIRONMENT", text)
+                self.assertIn("JULIAVDB_MEMORY", text)
+                self.assertEqual("PARALLEL_SEQ" in text, page.stem in ("juliavdb", "juliavdb-task"))
 
     def test_a_page_of_nothing_is_refused(self):
         self.refused(USAGE, "man", "nothing", mentions="nothing")
@@ -139,6 +143,10 @@ class Completion(harness.CliTest):
             "juliavdb fractal --pair ": ["A", "A'", "B", "C", "D", "E", "user"],
             "juliavdb fractal --texture sca": ["scales"],
             "juliavdb fractal --detail ": [],
+            "juliavdb fractal --grids ": ["surface", "density", "logmodulus", "iterations", "versor"],
+            "juliavdb fractal --grids surface,den": ["surface,density"],
+            "juliavdb fractal --attributes Cd,t": ["Cd,trap", "Cd,tau"],
+            "juliavdb completion ": ["bash", "zsh", "fish"],
             "juliavdb fractal --half --map c": ["cross"],
             "juliavdb plan ": ["tiles", "frames", "sheet"],
             "juliavdb plan frames --ke": ["--key"],
@@ -153,6 +161,69 @@ class Completion(harness.CliTest):
         text = self.ok("--help", data=True)
         commands = re.findall(r"^  (\w+) ", text.split("Commands:")[1], re.MULTILINE)
         self.assertEqual(self.complete("juliavdb "), [commands])
+
+    def completed_by_zsh(self, lines):
+        """In zsh's own machinery, whose last step is replaced: it would show the words to somebody."""
+        self.write("_juliavdb", self.ok("completion", "zsh", data=True))
+        script = r"""
+compadd() { while [[ $1 == -* && $1 != -- ]]; do shift; done; [[ $1 == -- ]] && shift
+            local word; for word; do [[ $word == $PREFIX* ]] && found+=($word); done }
+compset() { case $2 in '*,') [[ $PREFIX == *,* ]] && PREFIX=${PREFIX##*,} ;; '*=') PREFIX=${PREFIX#*=} ;; esac }
+_files() { : }
+complete_line() { found=(); words=("${(@s: :)1}"); CURRENT=$#words; PREFIX=$words[CURRENT]; source ./_juliavdb; print -r -- $found }
+while IFS= read -r line; do complete_line "$line"; done
+"""
+        run = subprocess.run(["zsh", "-f", "-c", script], input="\n".join(lines) + "\n", cwd=self.folder, text=True, capture_output=True,
+                             timeout=60)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        return [line.split() for line in run.stdout.split("\n")[:-1]]
+
+    def completed_by_fish(self, lines):
+        self.write("juliavdb.fish", self.ok("completion", "fish", data=True))
+        script = ("source juliavdb.fish\nwhile read -l line\n"
+                  "  echo (string join -- ' ' (complete -C $line | string replace -r '\\t.*' ''))\nend\n")
+        run = subprocess.run(["fish", "--no-config", "-c", script], input="\n".join(lines) + "\n", cwd=self.folder, text=True,
+                             capture_output=True, timeout=60, env={**os.environ, "HOME": str(self.folder)})
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        return [line.split() for line in run.stdout.split("\n")[:-1]]
+
+    CASES = {
+        "juliavdb fra": ["fractal"],
+        "juliavdb --v": ["--version"],
+        "juliavdb fractal b.obj --alpha 40 --texture-se": ["--texture-seed"],
+        "juliavdb fractal --map q": ["quadratic"],
+        "juliavdb fractal --sampling ": ["auto", "trilinear", "quadratic"],
+        "juliavdb fractal --pair ": ["A", "A'", "B", "C", "D", "E", "user"],
+        "juliavdb fractal --texture sca": ["scales"],
+        "juliavdb fractal --half --map c": ["cross"],
+        "juliavdb plan ": ["tiles", "frames", "sheet"],
+        "juliavdb plan frames --ke": ["--key"],
+        "juliavdb plan sheet --ke": [],
+        "juliavdb versor ins": ["inspect"],
+        "juliavdb completion ": ["bash", "zsh", "fish"],
+    }
+
+    @unittest.skipUnless(shutil.which("zsh"), "there is no zsh")
+    def test_words_in_zsh(self):
+        """Lists begin anew behind each comma; the words before it stay where they are."""
+        cases = {**self.CASES, "juliavdb fractal --map=q": ["quadratic"], "juliavdb fractal --grids surface,den": ["density"],
+                 "juliavdb fractal --grids log": ["logmodulus"]}
+        for line, found in zip(cases, self.completed_by_zsh(cases)):
+            with self.subTest(line=line):
+                self.assertEqual(found, cases[line])
+
+    @unittest.skipUnless(shutil.which("fish"), "there is no fish")
+    def test_words_in_fish(self):
+        """Which sorts them, and takes words that have the letters somewhere within them where none begins with these."""
+        cases = {**self.CASES, "juliavdb fractal --map=q": ["--map=quadratic"], "juliavdb fractal --grids surface,den": ["surface,density"],
+                 "juliavdb fractal --grids log": ["logmodulus"]}
+        del cases["juliavdb plan sheet --ke"]
+        for line, found in zip(cases, self.completed_by_fish(cases)):
+            with self.subTest(line=line):
+                self.assertEqual(sorted(found), sorted(cases[line]))
+
+    def test_another_shell_is_refused(self):
+        self.refused(USAGE, "completion", "tcsh", mentions="bash, zsh or fish")
 
     def test_every_option_is_completed(self):
         told = self.ok("fractal", "--help", "all", data=True)

@@ -240,6 +240,26 @@ class Recipes(PipeTest):
         self.ok("fractal", "--recipe", "edited.json", "-o", "edited.vdb")
         self.assertEqual(self.bytes("four.vdb"), self.bytes("edited.vdb"))
 
+    def test_a_look_is_a_recipe_without_a_target(self):
+        """The mesh is that of the command line: a text of options, and a recipe whose input is deleted, do the same to it."""
+        self.write("t.obj", harness.obj(harness.torus()))
+        words = ("--texture", "scales", "--detail", 0.5, *LOW)
+        self.ok("fractal", "t.obj", *words, "-o", "typed.vdb")
+        self.write("look.txt", "# scales\n" + "".join(f"{name[2:]} = {value}\n" for name, value in zip(words[::2], words[1::2])))
+        self.ok("fractal", "t.obj", "--config", "look.txt", "-o", "text.vdb")
+        self.assertEqual(self.bytes("text.vdb"), self.bytes("typed.vdb"))
+        self.ok("fractal", "b.obj", *words, "-o", "f.vdb")
+        recipe = self.recipe("f.vdb")
+        del recipe["recipe"]["input"]
+        self.write("look.json", json.dumps(recipe))
+        self.ok("fractal", "t.obj", "--recipe", "look.json", "-o", "recipe.vdb")
+        self.assertEqual(self.bytes("recipe.vdb"), self.bytes("typed.vdb"))
+        for name in ("look.txt", "look.json"):
+            self.ok("render", "--field", "t.obj", "--config", name, "-o", f"{name}.png", "--size", "16x16")
+            self.refused(USAGE, "fractal", "--config", name, "-o", "x.vdb", mentions="no target")
+        self.assertEqual(self.bytes("look.txt.png"), self.bytes("look.json.png"))
+        self.refused(USAGE, "mesh", "look.json", "-o", "x.ply")
+
     def test_what_holds_no_recipe(self):
         self.write("r.json", harness.rational_json(harness.ROOTS))
         self.refused(BAD_DATA, "recipe", "b.obj", mentions="no recipe")

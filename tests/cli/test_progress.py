@@ -155,5 +155,47 @@ class Progress(harness.CliTest):
             self.assertIn(f"`{field}`", page, f"of the event {event}")
 
 
+class Talk(harness.CliTest):
+    """How much is said, which is the same for what is made."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("ball.obj", harness.obj(harness.sphere(3)))
+        self.words = ("print", "ball.obj", "-o", "p.stl", "--longest-side", 60, "--resolution", 60, "--flat-base", 0.1)
+
+    def said(self, *words):
+        run = self.run_program(*harness.quiet(words))
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return run.stderr.decode()
+
+    def test_quiet_leaves_warnings(self):
+        usual = self.said(*self.words)
+        made = self.bytes("p.stl")
+        warnings = "".join(line + "\n" for line in usual.splitlines() if line.startswith("warning: "))
+        self.assertTrue(warnings and len(warnings) < len(usual), usual)
+        self.assertEqual(self.said(*self.words, "--quiet"), warnings)
+        self.assertEqual(self.bytes("p.stl"), made)
+        self.assertEqual(self.said("sdf", "ball.obj", "-o", "s.vdb", "--resolution", 20, "--quiet"), "")
+        self.refused(NO_INPUT, "sdf", "none.obj", "-o", "s.vdb", "--quiet", mentions="none.obj")
+
+    def test_verbose_adds_what_it_took(self):
+        usual, verbose = self.said(*self.words), self.said(*self.words, "--verbose")
+        self.assertTrue(verbose.startswith(usual), verbose)
+        more = verbose[len(usual):].splitlines()
+        self.assertGreater(len(more), 2)
+        for line in more[:-1]:
+            self.assertRegex(line, r"\A[^:]+: [\d.e-]+ s, [\d.e-]+ s of CPU time\Z")
+        self.assertRegex(more[-1], r"\Ain all: [\d.]+ s, [\d.]+ s of CPU time, at most [\d.]+ [KMG]iB of memory\Z")
+        self.assertIn("reading", verbose)
+
+    def test_what_does_not_go_together(self):
+        for more in (("--quiet", "--verbose"), ("--quiet", "--progress", "bar")):
+            self.refused(USAGE, *self.words, *more, mentions="leave one of them out")
+        for word in ("--quiet", "--verbose"):
+            run = self.run_program(*self.words, word, "--progress", "json")
+            self.assertEqual(run.returncode, USAGE)
+            self.assertIn(f"{word} has no effect", json.loads(run.stderr.decode().splitlines()[-1])["error"])
+
+
 if __name__ == "__main__":
     harness.main()

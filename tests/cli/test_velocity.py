@@ -270,6 +270,18 @@ class Velocity(harness.CliTest):
         self.refused(USAGE, "fractal", "in.####.obj", *self.LOW, "--frames", "1", "--mesh", "f.####.ply",
                      mentions=("frame 1", "velocity"))
 
+    def test_a_broken_frame_is_no_mesh_without_faces(self):
+        """With --keep-going its neighbours fail because it cannot be read, and not because its faces differ from theirs."""
+        self.write_frames((1, 2, 3, 4, 5))
+        self.write("in.0002.obj", "f 1 2 3\n")
+        run = self.run_program("fractal", "in.####.obj", *self.LOW, "--frames", "1-5", "--mesh", "f.####.ply", "--keep-going")
+        text = run.stderr.decode()
+        self.assertEqual(run.returncode, BAD_DATA, text)
+        self.assertNotIn("triangles, and", text)
+        self.assertEqual([name for name in self.listing() if name.startswith("f.")], ["f.0004.ply", "f.0005.ply"])
+        for frame in (1, 2, 3):
+            self.assertRegex(text, rf"warning: frame {frame}: .*in\.0002\.obj")
+
     def test_an_animated_gltf_plays(self):
         gltf = test_animation.Gltf()
         node = gltf.node(mesh=gltf.mesh(*self.ball))

@@ -4,9 +4,11 @@
 JULIAVDB_BUILD is the build folder, JULIAVDB_CPACK the program cpack, JULIAVDB_VERSION the project's version.
 """
 
+import gzip
 import importlib.util
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -64,8 +66,10 @@ class Package(unittest.TestCase):
         listed = run("dpkg-deb", "--contents", self.files[0]).stdout
         for name in (PROGRAM, f"{LIBRARIES}/libjulia.so", f"{LIBRARIES}/libvdbtools.so",
                      "usr/share/doc/juliavdb/copyright", "usr/share/doc/juliavdb/CHANGELOG.md",
-                     "usr/share/man/man1/juliavdb.1", "usr/share/man/man1/juliavdb-fractal.1",
-                     "usr/share/bash-completion/completions/juliavdb"):
+                     "usr/share/doc/juliavdb/changelog.gz",
+                     "usr/share/man/man1/juliavdb.1.gz", "usr/share/man/man1/juliavdb-fractal.1.gz",
+                     "usr/share/bash-completion/completions/juliavdb", "usr/share/zsh/vendor-completions/_juliavdb",
+                     "usr/share/fish/vendor_completions.d/juliavdb.fish"):
             self.assertIn(f" ./{name}\n", listed)
         licences = (self.root / "usr/share/doc/juliavdb/copyright").read_text()
         self.assertIn("Apache-2.0", licences)
@@ -75,6 +79,22 @@ class Package(unittest.TestCase):
         for line in listed.splitlines():
             self.assertRegex(line, r"^[-d]\S+ root/root ", "everything belongs to root")
             self.assertNotRegex(line, r"^.....w..w. ", "not everybody may write")
+
+    def test_it_follows_debians_policy(self):
+        """In what lintian told of it: compressed pages and changelogs, the form of the latter, and scripts that can be run."""
+        for file in (self.root / "usr/share/man").rglob("*.*"):
+            self.assertTrue(gzip.decompress(file.read_bytes()).startswith(b".TH "), file)
+        changelog = gzip.decompress((self.root / "usr/share/doc/juliavdb/changelog.gz").read_bytes()).decode()
+        self.assertRegex(changelog, rf"\Ajuliavdb \({re.escape(os.environ['JULIAVDB_VERSION'])}\) unstable; urgency=medium\n\n  \* .+\n\n"
+                                    r" -- .+ <.+@.+>  \w{3}, \d\d \w{3} \d{4} \d\d:\d\d:\d\d \+0000\n\Z")
+        for file in (self.root / "usr").rglob("*"):
+            if file.is_file() and not file.is_symlink() and file.read_bytes()[:2] == b"#!":
+                self.assertTrue(os.access(file, os.X_OK), file)
+        if not shutil.which("lintian"):
+            self.skipTest("lintian is not installed")
+        told = run("lintian", "--tags", "uncompressed-manual-page,no-changelog,script-not-executable,"
+                                        "executable-not-elf-or-script,no-manual-page", self.files[0])
+        self.assertEqual(told.stdout, "", told.stderr)
 
     def test_every_library_is_found(self):
         files = [self.root / PROGRAM, *(self.root / LIBRARIES).iterdir()]

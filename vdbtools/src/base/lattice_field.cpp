@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/lattice_field.h"
 
+#include "base/affine_columns.h"
 #include "base/grid_sampler.h"
 
 #include "julia/brick_field.h"
@@ -16,11 +17,9 @@ std::shared_ptr<const julia::ScalarField<Real>> makeLatticeField(const openvdb::
                                                                  julia::Interpolation interpolation,
                                                                  const julia::Knee& knee) {
   const GridBricks made = makeBricks(grid, nodes, interpolation);
-  const auto position = [&](double x, double y, double z) {
-    return grid.worldToIndex(space.toWorld({x, y, z})) - made.origin.asVec3d();
-  };
-  const Vec3d zero = position(0, 0, 0);
-  const Vec3d columns[3] = {position(1, 0, 0) - zero, position(0, 1, 0) - zero, position(0, 0, 1) - zero};
+  const auto [zero, columns] = affineColumns([&](const Vec3d& x) {
+    return grid.worldToIndex(space.toWorld({x[0], x[1], x[2]})) - made.origin.asVec3d();
+  });
   julia::BrickPlacement placement{.knee = knee};
   for (int row = 0; row < 3; ++row) {
     const auto r = static_cast<std::size_t>(row);

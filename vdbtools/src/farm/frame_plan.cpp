@@ -177,8 +177,8 @@ Manifest planFrames(const FramePlanOptions& options) {
 struct FrameRecipes::Known {
   FileHashes files;
   struct Looked {
-    std::size_t triangles = 0;  ///< 0: no mesh
-    double longestSide = 0;     ///< world units
+    std::optional<std::size_t> triangles{};  ///< 0: no mesh; empty: the target cannot be opened
+    double longestSide = 0;                  ///< world units
   };
   /// What look() has opened: the file, and the moment of its animation, seconds.
   std::map<std::pair<std::filesystem::path, std::optional<double>>, Looked> looked{};
@@ -214,12 +214,14 @@ void FrameRecipes::look(int frame, Monitor& monitor) {
   std::shared_ptr<const Mesh> mesh;
   const auto [now, isNew] = known.looked.try_emplace(
       {target.input.path, target.moment ? std::optional(target.moment->seconds) : std::nullopt});
+  if (!isNew && !now->second.triangles) return;  // said of the frame that opened it first
   if (isNew) {
     const std::unique_ptr<const TargetInput> input = openTarget(target, monitor);
     mesh = input->mesh();
     now->second = {mesh ? mesh->triangles.size() : 0, longestSide(input->box())};
   }
   known.sides[frame] = now->second.longestSide;
+  const std::string name = "the target '" + target.input.path.string() + "'";
   if (mesh && options.rest) {
     const RestOptions& rest = *options.rest;
     if (!rest.file) {
@@ -229,13 +231,11 @@ void FrameRecipes::look(int frame, Monitor& monitor) {
         known.rest = openTarget(targetAtRest(rest, target), monitor)->mesh();
         known.restPath = rest.file->path;
       }
-      if (known.rest->triangles.size() != mesh->triangles.size())
-        throw DataError("the target '" + target.input.path.string() + "' has " +
-                        std::to_string(mesh->triangles.size()) + " triangles, and --rest '" + known.restPath.string() +
-                        "' has " + std::to_string(known.rest->triangles.size()) +
-                        "; where the faces change, give the points at rest as an attribute of each frame "
-                        "(--rest-attribute), or leave --rest out");
-      requireSameFaces(*mesh, *known.rest, "--rest '" + known.restPath.string() + "'");
+      requireSameFaces(*mesh, *known.rest,
+                       {.other = "--rest '" + known.restPath.string() + "'",
+                        .mesh = name,
+                        .wayOut = "where the faces change, give the points at rest as an attribute of each frame "
+                                  "(--rest-attribute), or leave --rest out"});
     }
   }
   if (!options.velocity) return;
@@ -244,12 +244,13 @@ void FrameRecipes::look(int frame, Monitor& monitor) {
     if (!*file) continue;
     const std::filesystem::path& path = (*file)->path;
     const auto found = known.looked.find({path, std::nullopt});
-    const std::size_t triangles =
+    const std::optional<std::size_t> triangles =
         found != known.looked.end() ? found->second.triangles : readMesh(path).triangles.size();
-    if (triangles != now->second.triangles)
-      throw DataError("the target '" + target.input.path.string() + "' has " + std::to_string(now->second.triangles) +
-                      " triangles, and --" + option + " '" + path.string() + "' has " + std::to_string(triangles) +
-                      "; where the faces change, leave velocity out of --attributes");
+    if (triangles)
+      requireSameCount(*now->second.triangles, *triangles,
+                       {.other = std::string("--") + option + " '" + path.string() + "'",
+                        .mesh = name,
+                        .wayOut = "where the faces change, leave velocity out of --attributes"});
   }
 }
 

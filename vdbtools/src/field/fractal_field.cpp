@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/field/fractal_field.h"
 
+#include "base/affine_columns.h"
 #include "base/elementary.h"
 #include "base/lattice_transform.h"
 #include "distance/cell_corners.h"
@@ -135,12 +136,8 @@ unsigned touching(const CellCorners& corners, unsigned x, unsigned y, float lowe
 class LatticeView {
  public:
   LatticeView(const openvdb::math::Transform& transform, const FieldPlan& plan)
-      : mZero((transform.indexToWorld(Vec3d(0)) - plan.origin) / plan.voxelSize) {
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3d unit(0);
-      unit[axis] = 1;
-      mColumns[axis] = (transform.indexToWorld(unit) - plan.origin) / plan.voxelSize - mZero;
-    }
+      : mMap(
+            affineColumns([&](const Vec3d& x) { return (transform.indexToWorld(x) - plan.origin) / plan.voxelSize; })) {
   }
 
   /// The corners of all lattice cells that touch a box in E's index space.
@@ -149,10 +146,12 @@ class LatticeView {
     constexpr double kRounding = 0x1p-48;  // of coordinates about a lattice's own origin, far from E's
     openvdb::BBoxd box;
     for (int axis = 0; axis < 3; ++axis) {
-      double at = mZero[axis], extent = kMargin + kRounding * std::abs(mZero[axis]);
+      const double zero = mMap.offset[axis];
+      double at = zero, extent = kMargin + kRounding * std::abs(zero);
       for (int k = 0; k < 3; ++k) {
-        at += mColumns[k][axis] * middle[k];
-        extent += std::abs(mColumns[k][axis]) * half[k];
+        const double slope = mMap.columns[static_cast<std::size_t>(k)][axis];
+        at += slope * middle[k];
+        extent += std::abs(slope) * half[k];
       }
       box.min()[axis] = at - extent;
       box.max()[axis] = at + extent;
@@ -161,8 +160,7 @@ class LatticeView {
   }
 
  private:
-  Vec3d mZero;
-  Vec3d mColumns[3];
+  AffineColumns mMap;
 };
 
 /// Calls body(local, nodes) for the boxes of nodes, clipped by @a within, that contain a corner of any lattice cell

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "motion/posed_shell.h"
 
+#include "base/affine_columns.h"
 #include "base/in_parallel.h"
 #include "base/lattice_field.h"
 #include "distance/leaves.h"
 #include "search/triangle_tree.h"
+
+#include "julia/norm_bound.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/SignedFloodFill.h>
@@ -123,18 +126,11 @@ class CellTable {
 /// From points of fractal space to the lattice's index space, and to points of fractal space by the overall map.
 struct PoseSpace {
   PoseSpace(const FractalSpace& space, const openvdb::math::Transform& lattice, const AffineMap& overall) {
-    const auto column = [](const auto& map) {
-      AffineMap result;
-      result.offset = map(Vec3d(0));
-      for (int axis = 0; axis < 3; ++axis) {
-        Vec3d unit(0);
-        unit[axis] = 1;
-        result.matrix.setCol(axis, map(unit) - result.offset);
-      }
-      return result;
-    };
-    const auto world = [&](const Vec3d& x) { return space.toWorld({x[0], x[1], x[2]}); };
-    toIndex = column([&](const Vec3d& x) { return lattice.worldToIndex(world(x)); });
+    const AffineColumns index = affineColumns([&](const Vec3d& x) {
+      return lattice.worldToIndex(space.toWorld({x[0], x[1], x[2]}));
+    });
+    toIndex.offset = index.offset;
+    for (int axis = 0; axis < 3; ++axis) toIndex.matrix.setCol(axis, index.columns[static_cast<std::size_t>(axis)]);
     overallMap = {overall.matrix, (overall(space.centre) - space.centre) / space.scale};
   }
 
@@ -144,14 +140,11 @@ struct PoseSpace {
 Vec3d vectorOf(const julia::Point& x) { return {x[0], x[1], x[2]}; }
 julia::Point pointOf(const Vec3d& x) { return {x[0], x[1], x[2]}; }
 
-/// An upper bound of the norm of a matrix M, exact for similarities: the norm of M^T M is at most its largest sum over
-/// a row.
-double normBound(const Mat3d& m) {
-  const Mat3d squares = m.transpose() * m;
-  double most = 0;
-  for (int row = 0; row < 3; ++row)
-    most = std::max(most, std::abs(squares(row, 0)) + std::abs(squares(row, 1)) + std::abs(squares(row, 2)));
-  return std::sqrt(most);
+double normBoundOf(const Mat3d& m) {
+  std::array<std::array<double, 3>, 3> columns{};
+  for (std::size_t column = 0; column < 3; ++column)
+    for (std::size_t row = 0; row < 3; ++row) columns[column][row] = m(static_cast<int>(row), static_cast<int>(column));
+  return julia::normBound(columns);
 }
 
 class PoseDeformation final : public julia::Deformation {
@@ -165,7 +158,7 @@ class PoseDeformation final : public julia::Deformation {
         mCells(std::move(cells)),
         mBeyond(std::move(beyond)),
         mMotion(std::move(motion)),
-        mIndexStretch(normBound(mPose.toIndex.matrix)) {}
+        mIndexStretch(normBoundOf(mPose.toIndex.matrix)) {}
 
   void carry(std::span<const julia::Point> points, std::span<julia::Point> carried,
              std::span<Decision> decisions) const override {
@@ -350,7 +343,7 @@ CellImage cellImage(const std::array<const NodeImage*, kCorners>& corners, const
     mean.setCol(axis, mean.col(axis) + Vec3d(middle) / step);
     apart += static_cast<double>(most) / (step * step);
   }
-  image.slope = (normBound(mean) + std::sqrt(apart)) * kUp;
+  image.slope = (normBoundOf(mean) + std::sqrt(apart)) * kUp;
   for (const NodeImage* node : corners) image.centre += Vec3d(node->beyond) * 0.125;
   return image;
 }

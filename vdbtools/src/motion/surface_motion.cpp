@@ -230,22 +230,26 @@ void requireOneUnit(const SearchUnits& fromUnits, const SearchUnits& toUnits, co
 
 }  // namespace
 
-void requireSameFaces(const Mesh& mesh, const Mesh& other, const std::string& name) {
-  if (mesh.triangles.size() != other.triangles.size())
-    throw DataError("the target has " + std::to_string(mesh.triangles.size()) + " triangles, and " + name + " has " +
-                    std::to_string(other.triangles.size()) + "; give meshes with the same faces");
+void requireSameCount(std::size_t triangles, std::size_t others, const FaceWords& words) {
+  if (triangles != others)
+    throw DataError(words.mesh + " has " + std::to_string(triangles) + " triangles, and " + words.other + " has " +
+                    std::to_string(others) + "; " + words.wayOut);
+}
+
+void requireSameFaces(const Mesh& mesh, const Mesh& other, const FaceWords& words) {
+  requireSameCount(mesh.triangles.size(), other.triangles.size(), words);
   if (!haveNumbers(mesh, other)) return;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Vec3I &a = mesh.triangles[i], &b = other.triangles[i];
     const auto isShared = [&](int corner) { return a[corner] == b[0] || a[corner] == b[1] || a[corner] == b[2]; };
     if (!isShared(0) && !isShared(1) && !isShared(2))
-      throw DataError("triangle " + std::to_string(i + 1) + " of " + name +
+      throw DataError("triangle " + std::to_string(i + 1) + " of " + words.other +
                       " has other corners than that of the target; give meshes with the same faces, in the same order");
   }
 }
 
 SurfaceMotion::SurfaceMotion(const Mesh& from, const Mesh& to, MotionDepth depth, const std::string& name) {
-  requireSameFaces(from, to, name);
+  requireSameFaces(from, to, {.other = name});
   const CornerPairs pairs = cornersOf(from, to);
   mParts = std::make_unique<Parts>(pairs, name);
   Parts& parts = *mParts;

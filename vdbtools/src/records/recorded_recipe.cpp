@@ -104,9 +104,14 @@ RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRe
                             : isSheetCell(path.string())
                                 ? RecordedRecipe{"fractal", readSheetCell(path.string()).recipe}
                                 : recordedRecipe(readFileTexts(path), maps);
+  // A recipe file without one is for any target.
+  const bool needsTarget = !isRecipeFile(path) || recorded.recipe.contains("input");
   try {
-    if (recorded.command == "fractal") requireTarget(parseFractalOptions(recorded.recipe, maps));
-    if (recorded.command == "sdf") parseSdfOptions(recorded.recipe);
+    if (recorded.command == "fractal") {
+      const FractalOptions options = parseFractalOptions(recorded.recipe, maps);
+      if (needsTarget) requireTarget(options);
+    }
+    if (recorded.command == "sdf" && needsTarget) parseSdfOptions(recorded.recipe);
   } catch (const std::invalid_argument& error) {
     throw DataError("the recipe in '" + path.string() + "' is broken: " + error.what());
   }
@@ -114,7 +119,7 @@ RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRe
 }
 
 Recipe readRecordedView(const std::filesystem::path& path) {
-  if (!isSheetCell(path.string())) return {};
+  if (!isSheetCell(path.string()) || isRecipeFile(path)) return {};
   const OptionTable table(pictureOptionSpecs("1x1", true));
   Recipe view = readSheetCell(path.string()).view;
   std::erase_if(view, [&](const auto& entry) { return !table.knows(entry.first) || !isAppearance(entry.first); });

@@ -43,6 +43,35 @@ void addPair(const std::string& text, const std::string& pair, std::span<const s
   names[own] = name;
 }
 
+/// The own name of the grid that one of the programs calls @a name, where others call it otherwise; empty if there is
+/// none.
+std::string ownNameOf(const std::string& name) {
+  // Every program calls the distances so.
+  if (name == "surface") return {};
+  for (const Naming& naming : namings())
+    for (const auto& [own, other] : naming.names)
+      if (name == other) return own;
+  return {};
+}
+
+/// The names that a program gives to grids, some of which another program may have named.
+void addNaming(const Naming& naming, std::span<const std::string> grids, bool ofOthers, GridNames& names) {
+  const auto isThere = [&](const std::string& name) {
+    return std::find(grids.begin(), grids.end(), name) != grids.end();
+  };
+  for (const auto& [own, name] : naming.names)
+    if (isThere(own)) names[own] = name;
+  if (!ofOthers) return;
+  for (const std::string& grid : grids) {
+    const std::string own = ownNameOf(grid);
+    if (own.empty() || isThere(own)) continue;
+    const auto named =
+        std::find_if(naming.names.begin(), naming.names.end(), [&](const auto& pair) { return pair.first == own; });
+    const std::string name = named == naming.names.end() ? own : named->second;
+    if (name != grid) names[grid] = name;
+  }
+}
+
 void requireDistinct(const std::string& text, std::span<const std::string> grids, const GridNames& names) {
   std::map<std::string, std::string> taken;
   for (const std::string& own : grids) {
@@ -66,7 +95,7 @@ OptionSpec gridNamesOption() {
           .defaultNote = "the names of --grids and --attributes"};
 }
 
-GridNames parseGridNames(const std::string& text, std::span<const std::string> grids) {
+GridNames parseGridNames(const std::string& text, std::span<const std::string> grids, bool ofOthers) {
   if (text.empty()) return {};
   GridNames names;
   bool isFirst = true;
@@ -79,8 +108,7 @@ GridNames parseGridNames(const std::string& text, std::span<const std::string> g
       if (naming == namings().end() || !isFirst)
         refuse(kGridNames, text,
                "houdini, blender, unreal, arnold, or pairs NAME=NEW, behind the program if there is one");
-      for (const auto& [own, name] : naming->names)
-        if (std::find(grids.begin(), grids.end(), own) != grids.end()) names[own] = name;
+      addNaming(*naming, grids, ofOthers, names);
     }
     isFirst = false;
   }

@@ -40,10 +40,19 @@ struct AffineMap {
   openvdb::Vec3d operator()(const openvdb::Vec3d& x) const { return matrix * x + offset; }
 };
 
+/// What errors say of two meshes.
+struct FaceWords {
+  std::string other;                ///< what the second mesh is called
+  std::string mesh = "the target";  ///< and the first
+  std::string wayOut = "give meshes with the same faces";
+};
+
+/// @throw DataError  the numbers of triangles differ
+void requireSameCount(std::size_t triangles, std::size_t others, const FaceWords& words);
+
 /// Whether the second mesh may be the first one after a motion.
-/// @param name  of the second mesh, for errors
 /// @throw DataError  the meshes do not have the same triangles
-void requireSameFaces(const Mesh& mesh, const Mesh& other, const std::string& name);
+void requireSameFaces(const Mesh& mesh, const Mesh& other, const FaceWords& words);
 
 class SurfaceMotion {
  public:

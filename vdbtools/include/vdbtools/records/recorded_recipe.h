@@ -36,7 +36,7 @@ std::string noRecipeText(const std::filesystem::path& path);
 std::string encodeRecipe(const RecordedRecipe& recorded);
 
 /// Reads the recipe from a VDB, PLY, OBJ or GLB, a recipe file, or a cell of a contact sheet ("sheet.json#7", see
-/// sheet_job.h), and checks that its options are valid.
+/// sheet_job.h), and checks that its options are valid. Only a recipe file may lack a target, for the caller to give.
 /// @throw DataError  an entry is broken; MissingInputError, IoError
 /// @throw std::invalid_argument  there is no such cell
 RecordedRecipe readRecordedRecipe(const std::filesystem::path& path, const MapRegistry& maps = builtInMaps());

@@ -57,9 +57,11 @@ OptionSpec gridNamesOption();
 
 /// @param text   the value of --grid-names; empty: all grids keep their names
 /// @param grids  the grids that are made, by the program's own names
+/// @param ofOthers  whether grids may have the names of one of the programs, as in a file that is read: such a name is
+///                  replaced too, so that each program's names lead to those of every other
 /// @throw std::invalid_argument  no such program; a pair for a grid that is not made; two grids that would have one
 ///                               name
-GridNames parseGridNames(const std::string& text, std::span<const std::string> grids);
+GridNames parseGridNames(const std::string& text, std::span<const std::string> grids, bool ofOthers = false);
 
 /// The metadata of a file in which the grid of distances called @a own has another name; empty if it has not.
 std::map<std::string, std::string> distanceGridMetadata(const GridNames& names, const std::string& own);
