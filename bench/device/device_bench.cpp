@@ -28,6 +28,7 @@
 #include <functional>
 #include <memory>
 #include <random>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -293,6 +294,8 @@ void measureRays(const Place& at, const std::string& name, bool floats, const Am
   const Picture picture(at.isDevice ? amounts.rays : std::min<std::size_t>(256, amounts.rays));
   std::vector<julia::RayMeeting> met(picture.rays.size());
   if (at.isDevice && at.field.preferredRays() == 0) return;
+  // The first rays of a field are tried, and some drivers compile a kernel when it is first run.
+  if (at.isDevice) at.field.followRays(picture.march, std::span(picture.rays).first(1), met);
   say("rays", name, floats, at, picture.rays.size(), rateOf(amounts.seconds, picture.rays.size(), [&] {
         if (at.isDevice)
           at.field.followRays(picture.march, picture.rays, met);

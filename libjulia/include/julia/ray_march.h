@@ -22,7 +22,7 @@ inline Point pointAlong(const Point& from, double distance, const Point& directi
 struct RayMarch {
   Point eye{};
   double alpha = 0, epsilon = 0;
-  int delta = 1;                    ///< 0, 1 or 2
+  int delta = 1;                      ///< 0, 1 or 2
   std::span<const double> members{};  ///< some of the sequence in their order; the first is below each ray's beginning
   int bisections = 0;
 

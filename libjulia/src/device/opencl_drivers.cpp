@@ -138,8 +138,11 @@ struct Search : Drivers {
       std::ifstream text(file);
       std::getline(text, driver);
       void* const library = dlopen(driver.c_str(), RTLD_LAZY | RTLD_NOLOAD);
-      places.push_back(
-          {file.string(), "it names " + driver + (library ? ", which is open" : ", which the loader could not use")});
+      std::string found = "it names " + driver + (library ? ", which is open" : ", which the loader could not use");
+      // The linker knows why, such as a library that is too old.
+      if (!library && !dlopen(driver.c_str(), RTLD_LAZY))
+        if (const char* const reason = dlerror()) found += std::string(": ") + reason;
+      places.push_back({file.string(), found});
       if (library) dlclose(library);
     }
   }
