@@ -172,8 +172,9 @@ julia::RayMeeting meetingOf(const FieldEvaluator& host, const julia::RayMarch& m
 }
 
 /// The device meets the set where the rule says it, to the bit, with cubes that are left out and without.
+/// @param mostLeft  the largest share of rays that may be left to the processor, whose orbits a device cannot decide
 /// @return the number of rays that met it
-std::size_t expectSameMeetings(const FieldEvaluator& host, const FieldEvaluator& there, double radius,
+std::size_t expectSameMeetings(const FieldEvaluator& host, const FieldEvaluator& there, double radius, double mostLeft,
                                const std::string& what) {
   constexpr int kRays = 60, kCubes = 12;
   law_tests::Random random(31);
@@ -221,8 +222,7 @@ std::size_t expectSameMeetings(const FieldEvaluator& host, const FieldEvaluator&
       EXPECT_EQ(found[i].inside, expected.inside) << what << ", ray " << i;
       EXPECT_EQ(found[i].outside, expected.outside) << what << ", ray " << i;
     }
-    // Along most rays of one cross map, values overflow, which the processor has to look at.
-    EXPECT_LT(left, rays.size() * 3 / 4) << what;
+    EXPECT_LE(static_cast<double>(left), mostLeft * static_cast<double>(rays.size())) << what;
   }
   return met;
 }
@@ -248,7 +248,7 @@ void expectSameAround(const FieldEvaluator& host, const FieldEvaluator& there, c
 /// The device's evaluator of a field has the bits of @a host at all of the points, on edges about them, and along rays.
 /// @return the number of edges
 std::size_t expectSameBitsOnDevice(std::unique_ptr<FieldEvaluator> host, double radius, const std::string& what,
-                                   const std::vector<Point>& others = {}, bool rays = true) {
+                                   const std::vector<Point>& others = {}, bool rays = true, double mostLeft = 0.1) {
   const std::vector<Point> points = pointsAbout(radius, others);
   std::vector<double> expected(points.size()), found(points.size());
   std::vector<int> expectedSteps(points.size()), foundSteps(points.size());
@@ -273,7 +273,7 @@ std::size_t expectSameBitsOnDevice(std::unique_ptr<FieldEvaluator> host, double 
   EXPECT_EQ(again, found) << what;
   if (rays) {
     expectSameAround(here, *there, std::vector<Point>(points.begin(), points.begin() + 5000), what);
-    expectSameMeetings(here, *there, radius, what);
+    expectSameMeetings(here, *there, radius, mostLeft, what);
   }
   return expectSameCrossings(here, *there, radius, what);
 }
@@ -441,10 +441,12 @@ TYPED_TEST(Devices, crossMaps) {
          {CrossPair::A, CrossPair::APrime, CrossPair::B, CrossPair::C, CrossPair::D, CrossPair::E}) {
       const auto map =
           std::make_shared<const julia::CrossMap<Real>>(CrossOptions{pair, scheme, {0.2, -0.3, 0.1}, "", ""});
+      // Most orbits of one of them take it out of the range of floats.
+      const bool farOut = pair == CrossPair::B && scheme == CrossScheme::Julia && sizeof(Real) == sizeof(float);
       expectSameBitsOnDevice(
           julia::makeFieldEvaluator<Real>(std::shared_ptr<const julia::CartesianMap<Real>>(map), {}, orbit), 1.4,
           "pair " + std::to_string(static_cast<int>(pair)) + ", scheme " + std::to_string(static_cast<int>(scheme)),
-          {{0, 0, 0.5}, {0.3, 0.3, 0.1}});
+          {{0, 0, 0.5}, {0.3, 0.3, 0.1}}, /*rays=*/true, farOut ? 0.75 : 0.1);
     }
 }
 
