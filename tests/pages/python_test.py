@@ -56,7 +56,7 @@ class Page(unittest.TestCase):
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_every_snippet_runs(self):
         names, said, files = run_snippets(PAGE)
-        self.assertEqual(len(said), 18)
+        self.assertEqual(len(said), 19)
         self.assertEqual(files, ["bunny.obj", "bunny.ply", "bunny.vdb", "cube.json", "cube.obj", "noise.vdb", "shape.json"])
         self.assertEqual(names["strip"].shape, (30, 80, 3))
         self.assertEqual((names["members"].shape, names["members"].dtype.kind), (names["phi_on_plane"].shape, "b"))
