@@ -25,7 +25,7 @@ export function sampleMesh() {
   }
   const corner = (i, j) => i % along * around + j % around + 1;
   for (let i = 0; i < along; ++i)
-    for (let j = 0; j < around; ++j) lines.push(`f ${corner(i, j)} ${corner(i + 1, j)} ${corner(i + 1, j + 1)} ${corner(i, j + 1)}`);
+    for (let j = 0; j < around; ++j) lines.push(`f ${corner(i, j)} ${corner(i, j + 1)} ${corner(i + 1, j + 1)} ${corner(i + 1, j)}`);
   return new File([lines.join("\n") + "\n"], "knot.obj");
 }
 
