@@ -67,8 +67,8 @@ class Page(unittest.TestCase):
         self.assertGreater((names["proved"] != 0).mean(), 0.1)
         for corner in (names["cube"].vertices.max(axis=0), -names["cube"].vertices.min(axis=0)):
             self.assertTrue((abs(corner - 1) < 0.3).all(), "the cube is about as large as it was")
-        self.assertRegex(said[-4], r"100%(.|\n)*\ncancelled\n\Z")
-        self.assertIn("would take at least", said[-3])
+        self.assertRegex(said[-5], r"100%(.|\n)*\ncancelled\n\Z")
+        self.assertIn("would take at least", said[-4])
         self.assertIn("Evaluates on", said[-2])
         self.assertIn("detail is '7'", said[-1])
         self.assertNotIn("--", said[-1])
