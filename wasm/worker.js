@@ -4,7 +4,7 @@
 /* global importScripts, juliavdbProgram */
 importScripts("juliavdb_page.js");
 
-const FOLDER = "/work";
+const FOLDER = "/visitor";
 
 // The module's bytes, with what has been read of them meanwhile.
 async function moduleBytes() {
