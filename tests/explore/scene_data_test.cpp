@@ -267,7 +267,10 @@ TEST(BundledScript, holdsEveryModuleOnceAndImportsNothing) {
     const std::size_t from = text.find("\n// ") + 1;
     const std::string line(text.substr(from, text.find('\n', from) - from));
     const std::size_t at = script.find(line);
-    EXPECT_NE(at, std::string::npos) << file.name;
+    // An exported page has no program in a worker, and main.js loads this module only where there is one.
+    const bool isLeftOut = file.name == "program.js";
+    EXPECT_EQ(at == std::string::npos, isLeftOut) << file.name;
+    if (isLeftOut) continue;
     EXPECT_EQ(script.find(line, at + 1), std::string::npos) << file.name;
   }
 }
