@@ -208,11 +208,31 @@ void extend(Lattice& tau) {
   });
 }
 
-/// tau(x) <- the minimum of tau(y) + slope |x - y| over all nodes y, along steps between neighbours.
+/// tau(x) <- the minimum of tau(y) + slope |x - y| over all nodes y, along steps between neighbours. The order is that
+/// of sweep(); what comes from other rows is taken by whole rows, in vectors, because a minimum does not depend on the
+/// order of its terms.
 void limitSlope(Lattice& tau, float slope) {
-  sweep(tau, [&](std::size_t here, std::size_t neighbour, float length) {
-    tau.values[here] = std::min(tau.values[here], tau.values[neighbour] + slope * length);
-  });
+  static const std::vector<Line> lines = linesOfNeighbours();
+  const Coord size = tau.size;
+  const int n = size[2];
+  for (const int direction : {-1, 1})
+    for (int i = 0; i < size[0]; ++i)
+      for (int j = 0; j < size[1]; ++j) {
+        const int x = direction < 0 ? i : size[0] - 1 - i, y = direction < 0 ? j : size[1] - 1 - j;
+        float* row = &tau.values[tau.index(x, y, 0)];
+        for (const Line& line : lines) {
+          const int a = x + direction * line.x, b = y + direction * line.y, c = direction * line.z;
+          if ((line.x == 0 && line.y == 0) || !tau.holds(a, b, 0)) continue;
+          const float* from = &tau.values[tau.index(a, b, 0)];
+          const float rise = slope * line.length;
+          for (int z = std::max(0, -c); z < std::min(n, n - c); ++z) row[z] = std::min(row[z], from[z + c] + rise);
+        }
+        float before = std::numeric_limits<float>::infinity();
+        for (int k = 0; k < n; ++k) {
+          float& here = row[direction < 0 ? k : n - 1 - k];
+          here = before = std::min(here, before + slope);
+        }
+      }
 }
 
 /// Averages over 3 nodes along each axis, which rounds the creases that the limit leaves.
