@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 namespace vdbtools {
 
@@ -19,14 +20,18 @@ namespace {
 /// Half the diagonal of a voxel of size 1.
 constexpr double kHalfDiagonal = 0.8661;
 
-openvdb::FloatGrid::ConstPtr distancesInside(const Mesh& mesh, double thickness, Monitor& monitor) {
-  constexpr double kVoxelsAcross = 5, kMostVoxels = 600, kBand = 3;
+double voxelFor(const Mesh& mesh, double thickness) {
+  constexpr double kVoxelsAcross = 5, kMostVoxels = 600;
   openvdb::BBoxd box;
   for (const Vec3d& point : mesh.points) box.expand(point);
   const Vec3d extents = box.extents();
-  const double longest = std::max({extents[0], extents[1], extents[2]});
-  const double voxel = std::max(thickness / kVoxelsAcross, longest / kMostVoxels);
-  return convert(toIndexSpace(mesh.points, voxel), mesh.triangles,
+  return std::max(thickness / kVoxelsAcross, std::max({extents[0], extents[1], extents[2]}) / kMostVoxels);
+}
+
+openvdb::FloatGrid::ConstPtr distancesInside(const std::vector<Vec3d>& points, const Mesh& mesh, double thickness,
+                                             double voxel, Monitor& monitor) {
+  constexpr double kBand = 3;
+  return convert(points, mesh.triangles,
                  {.voxelSize = voxel, .exteriorBandWidth = kBand, .interiorBandWidth = thickness / 2 / voxel + kBand},
                  monitor);
 }
@@ -34,20 +39,33 @@ openvdb::FloatGrid::ConstPtr distancesInside(const Mesh& mesh, double thickness,
 }  // namespace
 
 PartThickness::PartThickness(const Mesh& mesh, double thickness, std::optional<double> floor, Monitor& monitor)
-    : mMesh(mesh),
-      mThickness(thickness),
+    : mThickness(thickness),
       mFloor(floor),
-      mSearch(mesh.points, mesh.triangles),
-      mDistances(distancesInside(mesh, thickness, monitor)) {}
+      mVoxel(voxelFor(mesh, thickness)),
+      mPoints(toIndexSpace(mesh.points, mVoxel)),
+      mTree(mPoints, mesh.triangles),
+      mDistances(distancesInside(mPoints, mesh, thickness, mVoxel, monitor)) {}
 
 PartThickness::Depth PartThickness::depthAt(const Vec3d& p) const {
-  const std::optional<SurfacePoint> at = mSearch.nearest(p);
+  const auto at = mTree.nearest(p / mVoxel, std::numeric_limits<double>::infinity());
   if (!at) return {0, p};
-  const openvdb::Vec3I& t = mMesh.triangles[at->triangle];
-  Depth depth{at->distance, mMesh.points[t[0]] * at->weights[0] + mMesh.points[t[1]] * at->weights[1] +
-                                mMesh.points[t[2]] * at->weights[2]};
+  Depth depth{at->distance * mVoxel, at->point * mVoxel};
   if (mFloor && p[2] - *mFloor < depth.distance) depth = {std::max(0.0, p[2] - *mFloor), Vec3d(p[0], p[1], *mFloor)};
   return depth;
+}
+
+bool PartThickness::hasDeepNode(const Vec3d& point, const Vec3d& normal, double radius) const {
+  // The nodes hold distances in floats.
+  const double enough = radius + 1e-4 * mVoxel, reach = 2 * radius;
+  const auto accessor = mDistances->getConstAccessor();
+  for (double deep = radius + mVoxel / 2; deep < reach; deep += mVoxel) {
+    const openvdb::Coord node = openvdb::Coord::round((point - normal * deep) / mVoxel);
+    const Vec3d centre = node.asVec3d() * mVoxel;
+    if (-static_cast<double>(accessor.getValue(node)) >= enough && (centre - point).lengthSqr() <= reach * reach &&
+        (!mFloor || centre[2] - *mFloor >= enough))
+      return true;
+  }
+  return false;
 }
 
 InnerBall PartThickness::ballNear(const Vec3d& point, const Vec3d& normal, double reach, double enough) const {
@@ -108,7 +126,7 @@ InnerBall PartThickness::climbed(InnerBall best, Vec3d nearest, const Vec3d& poi
 }
 
 InnerBall PartThickness::deepestNode(const Vec3d& point, double reach) const {
-  const double voxel = mDistances->voxelSize()[0], far = reach + kHalfDiagonal * voxel;
+  const double voxel = mVoxel, far = reach + kHalfDiagonal * voxel;
   const auto accessor = mDistances->getConstAccessor();
   const auto steps = static_cast<int>(std::ceil(far / voxel));
   const openvdb::Coord middle = openvdb::Coord::round(point / voxel);
@@ -135,22 +153,20 @@ InnerBall PartThickness::climbedFrom(const InnerBall& node, const Vec3d& point, 
 }
 
 InnerBall PartThickness::deepestBall(const Vec3d& point, const Vec3d& normal, double reach, double enough) const {
-  const InnerBall ball = ballNear(point, normal, reach, enough);
-  if (ball.radius >= enough) return ball;
   const InnerBall node = deepestNode(point, reach);
   // A node that is barely inside is not a useful start.
-  if (node.radius < enough / 20) return ball;
-  const InnerBall other = climbedFrom(node, point, reach, enough);
-  return other.radius > ball.radius ? other : ball;
+  return node.radius < enough / 20 ? ballNear(point, normal, reach, enough) : climbedFrom(node, point, reach, enough);
 }
 
 bool PartThickness::isThick(const Vec3d& point, const Vec3d& normal, double thickness) const {
   const double radius = thickness / 2;
-  if (ballNear(point, normal, thickness, radius).radius >= radius) return true;
-  if (thickness > mThickness) return false;
-  const InnerBall node = deepestNode(point, thickness);
-  if (node.radius < radius - kHalfDiagonal * mDistances->voxelSize()[0]) return false;
-  return climbedFrom(node, point, thickness, radius).radius >= radius;
+  if (hasDeepNode(point, normal, radius)) return true;
+  if (thickness <= mThickness) {
+    const InnerBall node = deepestNode(point, thickness);
+    if (node.radius < radius - kHalfDiagonal * mVoxel) return false;
+    if (climbedFrom(node, point, thickness, radius).radius >= radius) return true;
+  }
+  return ballNear(point, normal, thickness, radius).radius >= radius;
 }
 
 ThinPlaces findThinPlaces(const Mesh& mesh, double thickness, double rounding, std::size_t most, Monitor& monitor) {

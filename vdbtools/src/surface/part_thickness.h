@@ -5,13 +5,15 @@
 /// thickness. Roughness, and edges and tips of 60 degrees or more, do not count as thin, because they protrude from
 /// such a ball by at most t / 2.
 ///
-/// A search from the surface inward finds balls, in exact distances to the triangles. If it fails, as it may at
-/// corners, the deepest node of a nearby lattice tells where to search, or proves that there is no such ball: a centre
-/// has a node within half the diagonal of a voxel, and that node is less deep by at most that distance. Every ball that
-/// is found exists, but a ball may occasionally be missed, so thicknesses are never overestimated.
+/// A node of a lattice of distances that lies below the point, and is deep enough, is the centre of such a ball; that
+/// decides most places. Otherwise a search from the surface inward finds balls, in exact distances to the triangles. If
+/// it fails, as it may at corners, the deepest node of a nearby lattice tells where to search, or proves that there is
+/// no such ball: a centre has a node within half the diagonal of a voxel, and that node is less deep by at most that
+/// distance. Every ball that is found exists, but a ball may occasionally be missed, so thicknesses are never
+/// overestimated.
 #pragma once
 
-#include "search/surface_search.h"
+#include "search/triangle_tree.h"
 #include "vdbtools/base/grids.h"
 #include "vdbtools/base/monitor.h"
 #include "vdbtools/mesh/mesh.h"
@@ -29,9 +31,10 @@ struct InnerBall {
 /// Many threads may use it at once.
 class PartThickness {
  public:
-  /// @param mesh       closed, with normals, at most a few thousand millimetres wide
+  /// @param mesh       closed, with a triangle and normals, at most a few thousand millimetres wide
   /// @param thickness  the thickness for which isThick() must be reliable
   /// @param floor      the solid ends there: nothing is below this z
+  /// Keeps a reference to the mesh's triangles.
   PartThickness(const Mesh& mesh, double thickness, std::optional<double> floor, Monitor& monitor);
 
   /// Finds the largest ball within the solid whose centre is at most @a reach from @a point. The search ends as soon as
@@ -40,7 +43,7 @@ class PartThickness {
   /// @param normal  of unit length, outward
   InnerBall ballNear(const openvdb::Vec3d& point, const openvdb::Vec3d& normal, double reach, double enough) const;
 
-  /// As ballNear(), but also tries the deepest node of the lattice.
+  /// As ballNear(), but begins at the deepest node of the lattice, if one is inside.
   InnerBall deepestBall(const openvdb::Vec3d& point, const openvdb::Vec3d& normal, double reach, double enough) const;
 
   /// Whether the solid is at least this thick at a place.
@@ -52,6 +55,8 @@ class PartThickness {
     openvdb::Vec3d nearest;  ///< on the surface or on the floor
   };
   Depth depthAt(const openvdb::Vec3d& p) const;
+  /// Whether a node below the point is the centre of a ball of this radius.
+  bool hasDeepNode(const openvdb::Vec3d& point, const openvdb::Vec3d& normal, double radius) const;
   /// Finds the largest ball reachable from a position inside by steps away from the surface.
   InnerBall climbed(InnerBall best, openvdb::Vec3d nearest, const openvdb::Vec3d& point, double reach,
                     double enough) const;
@@ -59,10 +64,11 @@ class PartThickness {
   InnerBall deepestNode(const openvdb::Vec3d& point, double reach) const;
   InnerBall climbedFrom(const InnerBall& node, const openvdb::Vec3d& point, double reach, double enough) const;
 
-  const Mesh& mMesh;
   double mThickness;
   std::optional<double> mFloor;
-  SurfaceSearch mSearch;
+  double mVoxel;                        ///< of the lattice
+  std::vector<openvdb::Vec3d> mPoints;  ///< in voxels
+  TriangleTree mTree;
   openvdb::FloatGrid::ConstPtr mDistances;  ///< inside, to more than half the thickness
 };
 
