@@ -172,11 +172,15 @@ void tellPart(const vdbtools::PrintedPart& part, const vdbtools::PrintOptions& o
   }
   if (options.flatBase) text << "it stands on a base of " << vdbtools::shortText(part.baseArea) << " mm2\n";
   if (part.smallBase) {
-    text << "warning: a base of " << vdbtools::shortText(part.baseArea)
-         << " mm2 is small for a part of this size, which may come off or fall over";
+    if (options.flatBase)
+      text << "warning: a base of " << vdbtools::shortText(part.baseArea)
+           << " mm2 is small for a part of this size, which may come off or fall over";
+    else
+      text << "note: it stands on " << vdbtools::shortText(part.baseArea)
+           << " mm2, so that a slicer may find nothing to print in the first layer";
     if (part.betterBase)
-      text << "; --flat-base " << vdbtools::shortText(*part.betterBase, vdbtools::Rounding::Up)
-           << " gives one that is large enough";
+      text << "; --flat-base " << vdbtools::shortText(*part.betterBase, vdbtools::Rounding::Up) << " gives "
+           << (options.flatBase ? "one" : "a base") << " that is large enough";
     text << '\n';
   }
   const double asked = options.minThickness.value_or(1);

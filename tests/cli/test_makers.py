@@ -252,6 +252,14 @@ class Makers(harness.CliTest):
             self.assertGreater(float(re.search(r"stands on a base of ([\d.]+) mm2", again)[1]), 1.5 * area)
         self.assertNotIn("come off", self.ok("print", "cube.obj", "-o", "p.stl", "--longest-side", 60, "--flat-base", 0.5, "--resolution", 60))
 
+    def test_a_part_without_a_flat_base_is_told_whether_it_has_a_first_layer(self):
+        self.write("ball.obj", harness.obj(harness.sphere(3)))
+        self.write("cube.obj", harness.obj(harness.cube()))
+        words = ("print", "ball.obj", "-o", "p.stl", "--longest-side", 60)
+        better = re.search(r"note: .* first layer; --flat-base ([\d.]+) gives", self.ok(*words))[1]
+        self.assertNotIn("warning", self.ok(*words, "--flat-base", better))
+        self.assertNotIn("first layer", self.ok("print", "cube.obj", "-o", "p.stl", "--longest-side", 60))
+
     def test_what_it_says_is_what_was_made(self):
         said = self.ok("print", "s.obj", "-o", "p.ply", "--size", 40, "--flat-base", 4, "--resolution", 40)
         mesh = self.closed("p.ply")

@@ -222,7 +222,8 @@ double sectionArea(const Mesh& mesh, double z) {
 }
 
 /// Looks for a larger base, where that of the part is small.
-void adviseBase(PrintedPart& part, const Mesh& solid, double flatBase) {
+/// @param voxel  of the lattice by which a flat base is cut
+void adviseBase(PrintedPart& part, const Mesh& solid, double flatBase, double voxel) {
   const double enough = enoughBase(part.extents);
   part.smallBase = part.baseArea < enough;
   if (!part.smallBase) return;
@@ -230,7 +231,7 @@ void adviseBase(PrintedPart& part, const Mesh& solid, double flatBase) {
   for (int step = 1; step <= kSteps; ++step) {
     const double z = part.extents[2] / 2 * step / kSteps;
     // The edge of a base is as round as the lattice makes it, and the part is made again with another base.
-    const double radius = std::sqrt(sectionArea(solid, z) / std::numbers::pi) - part.voxelSize;
+    const double radius = std::sqrt(sectionArea(solid, z) / std::numbers::pi) - voxel;
     if (radius <= 0 || std::numbers::pi * radius * radius < 1.1 * enough) continue;
     part.betterBase = flatBase + z;
     return;
@@ -327,7 +328,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
   part.keptIslands = volumes.size();
   const double voxel = part.voxelSize > 0 ? part.voxelSize : options.size / 1000;
   part.baseArea = baseAreaOf(solid, voxel / 100);
-  if (options.flatBase) adviseBase(part, solid, *options.flatBase);
+  adviseBase(part, solid, options.flatBase.value_or(0), options.size / static_cast<double>(resolutionOf(options)));
 
   monitor.begin(PhaseKind::Thickness, 0);
   computeNormals(solid);

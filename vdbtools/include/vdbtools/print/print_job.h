@@ -45,7 +45,7 @@ struct PrintedPart {
   std::uint64_t thinPoints = 0;  ///< points of the given mesh where it was too thin
   double voxelSize = 0;          ///< millimetres; 0: no lattice was used
   double baseArea = 0;           ///< area that stands on z = 0, millimetres squared
-  /// Set if a flat base was asked for and is smaller than a part of this size should have (enoughBase()).
+  /// Set if the base is smaller than a part of this size should have (enoughBase()).
   bool smallBase = false;
   std::optional<double> betterBase;  ///< the flatBase that makes it large enough, if one up to half of the height does
   /// Measurements of the finished mesh, relative to the requested minimum thickness, or to 1 mm without one.
