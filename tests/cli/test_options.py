@@ -33,7 +33,7 @@ RUNS = {
         ("s.obj", "-o", "f.vdb", "--mesh", "f.glb", "--texture", "random", "--attributes", "trap,Cd", "--colour", "trap", *LOW),
         ("open.obj", "--repair", "--mesh", "f.ply", "--texture", "bark", "--texture-over", "coral", *LOW),
         ("s.obj", "--mesh", "f.ply", "--texture", "fur", "--grain", "along", *LOW),
-        ("s.obj", "--mesh", "f.ply", "--rest", "rest.obj", *LOW),
+        ("rod.obj", "--mesh", "f.ply", "--rest", "rod_rest.obj", "--resolution", 14, "--sdf-resolution", 40),
         ("home.ply", "--mesh", "f.ply", *LOW),
         ("hollow.obj", "-o", "f.vdb", *LOW),
         ("pair.vdb", "--grid", "phi", "-o", "f.vdb", "--resolution", 14),
@@ -251,6 +251,11 @@ class Options(harness.CliTest):
         points, faces = harness.lumpy()
         thin = [(x * (1.2 + 0.4 * y), y, z) for x, y, z in points]
         self.write("rest.obj", harness.obj((thin, faces)))
+        # A thin rod across its box, because what a pose costs grows with the share of the box that it fills.
+        axes = (3 ** -0.5, ) * 3, (2 ** -0.5, -2 ** -0.5, 0), (6 ** -0.5, 6 ** -0.5, -2 * 6 ** -0.5)
+        rod = [tuple(x * a + 0.15 * (y * b + z * c) for a, b, c in zip(*axes)) for x, y, z in points]
+        self.write("rod.obj", harness.obj((rod, faces)))
+        self.write("rod_rest.obj", harness.obj(([(x * (1.2 + 0.4 * y), y, z) for x, y, z in rod], faces)))
         self.write("bent.obj", harness.obj(test_motion.bent((points, faces), 30)))
         self.write("home.ply", test_motion.with_rest((points, faces), (thin, faces), "home", points))
         self.write("on.obj", harness.obj(harness.moved(harness.lumpy(), 1, (0.1, 0, 0))))
