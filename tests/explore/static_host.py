@@ -3,6 +3,7 @@
 
 import functools
 import http.server
+import sys
 import threading
 
 # What isolates a page from others, so that it has threads.
@@ -32,6 +33,10 @@ class StaticHost(http.server.ThreadingHTTPServer):
 
         super().__init__(("127.0.0.1", 0), functools.partial(Handler, directory=folder))
         threading.Thread(target=self.serve_forever, daemon=True).start()
+
+    def handle_error(self, *unused):
+        if not isinstance(sys.exc_info()[1], ConnectionError):  # a page that is left hears no answers any more
+            super().handle_error(*unused)
 
     @property
     def url(self):
