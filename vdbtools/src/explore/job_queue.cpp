@@ -26,9 +26,11 @@ constexpr std::size_t kMostWaiting = 50, kMostKnown = 100;
 /// Where addresses end soon, as in WebAssembly, refuses files that will not fit, by an estimate: no swap space helps
 /// there, and the program could end in the middle.
 void requireThatItFits(const Scene& scene) {
+  constexpr double kAdvised = 0.75;  // what this attempt has taken may not all be given back
   const MemoryLeft left = addressSpaceLeft();
-  const std::optional<double> fits = fittingResolution(scene, left.bytes + residentMemory());
-  if (!fits) return;
+  const double bytes = left.bytes + residentMemory();
+  if (!fittingResolution(scene, bytes)) return;
+  const std::optional<double> fits = fittingResolution(scene, kAdvised * bytes);
   throw MemoryError("these voxels would take more memory than the " + memoryText(left.bytes) + " that " + left.limit +
                         " leaves" + (*fits > 0 ? "; --resolution " + shortText(*fits) + " fits" : ""),
                     MemoryUse::Field);
