@@ -214,7 +214,7 @@ bool waitForSignal() noexcept {
 }  // namespace
 
 #ifdef __EMSCRIPTEN__
-/// wasm/node_signals.js calls it.
+/// wasm/node_process.js calls it.
 extern "C" EMSCRIPTEN_KEEPALIVE void juliavdb_interrupt() { theInterrupted = true; }
 #endif
 

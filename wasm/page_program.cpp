@@ -4,7 +4,7 @@
 // calls the three functions at the end. The files that the visitor has dropped are in the working directory.
 #include "explore/explore_session.h"
 #include "explore/failure_answer.h"
-#include "overall_share.h"
+#include "fractal_share.h"
 
 #include <nlohmann/json.hpp>
 
@@ -33,16 +33,6 @@ class Dropped final : public Monitor {
 
  private:
   std::atomic<bool> mDropped{false};
-};
-
-/// Estimates the progress of a job by the weights of 'juliavdb fractal'.
-class FractalShare final : public explore::WorkShare {
- public:
-  void begin(const Phase& phase) override { mShare.begin(phase); }
-  double at(double fraction) override { return mShare.at(fraction); }
-
- private:
-  cli::OverallShare mShare{cli::phasesOf("fractal")};
 };
 
 struct Program {
@@ -108,7 +98,7 @@ extern "C" {
 EMSCRIPTEN_KEEPALIVE void juliavdb_open(int number, const char* recipe) {
   answer(number, [given = std::string(recipe)](Monitor& monitor) -> ExploreAnswer {
     explore::ExploreOptions options{.given = nlohmann::json::parse(given).get<Recipe>(),
-                                    .makeShare = [] { return std::make_unique<FractalShare>(); }};
+                                    .makeShare = [] { return std::make_unique<cli::FractalShare>(); }};
     auto opened = std::make_shared<ExploreSession>(options, monitor);
     const std::lock_guard lock(program().mutex);
     program().session = std::move(opened);

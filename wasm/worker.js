@@ -61,7 +61,10 @@ onmessage = async ({ data }) => {
     const answer = kinds[data.kind](await program, data);
     if (answer) postMessage({ number: data.number, ...answer }, [answer.body]);
   } catch (error) {
-    const body = new TextEncoder().encode(JSON.stringify({ error: error.message ?? String(error) })).buffer;
+    // An exception of the program that gets here is a failed allocation, as far as is known.
+    const text = error instanceof WebAssembly.Exception
+      ? "The program cannot go on, most likely because its memory ran out. Reload the page; the address holds the look." : error.message ?? String(error);
+    const body = new TextEncoder().encode(JSON.stringify({ error: text })).buffer;
     postMessage({ number: data.number, status: 500, type: "application/json", body }, [body]);
   }
 };

@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "exit_code.h"
+#include "fractal_share.h"
 #include "interruption.h"
 #include "options.h"
 #include "output.h"
@@ -36,17 +37,6 @@ constexpr Usage kExploreUsage = {
     "  juliavdb explore --map mandelbulb\n"
     "  juliavdb explore bunny.obj --texture-seed 7 --export look.html\n",
     "fractal"};
-
-/// Estimates the progress of a job by the weights of 'juliavdb fractal'.
-class FractalShare final : public vdbtools::explore::WorkShare {
- public:
-  FractalShare() { mShare.begin(vdbtools::PhaseKind::Reading); }
-  void begin(const vdbtools::Phase& phase) override { mShare.begin(phase); }
-  double at(double fraction) override { return mShare.at(fraction); }
-
- private:
-  OverallShare mShare{phasesOf("fractal")};
-};
 
 /// Cancels the work when the program has to end.
 class UntilInterrupted final : public vdbtools::Monitor {

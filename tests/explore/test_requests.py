@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import shlex
 import struct
 import subprocess
@@ -598,6 +599,21 @@ class Page(harness.CliTest):
         self.assertLess(int(status.partition("VmHWM:")[2].split()[0]), 1500 * 1024, "kB: a size in a file was believed")
 
     # -------------------------------------------------------------------------------------------------------- export
+
+    def test_files_that_do_not_fit_are_refused_before_they_are_begun(self):
+        """Where addresses end; the page as WebAssembly has 4 GiB of them."""
+        page = self.serve("s.obj", *QUICK)
+        used = 1024 * int(re.search(r"VmSize:\s*(\d+) kB", pathlib.Path(f"/proc/{page.process.pid}/status").read_text())[1])
+        resource.prlimit(page.process.pid, resource.RLIMIT_AS, (used + (1 << 30), used + (1 << 30)))
+        body = {"recipe": page.recipe(), "name": "look", "formats": ["vdb"], "overwrite": True}
+        job = page.wait_for(page.post("make", {**body, "resolution": "9000"})[1]["job"])
+        self.assertEqual(job["state"], "failed")
+        self.assertIn("the limit of address space (ulimit -v) leaves; --resolution ", job["error"])
+        fits = int(re.search(r"--resolution (\d+) fits", job["error"])[1])
+        self.assertTrue(100 < fits < 9000, fits)
+        self.assertEqual(self.listing(), ["s.obj"])
+        job = page.wait_for(page.post("make", {**body, "resolution": "30"})[1]["job"])
+        self.assertEqual(job["state"], "done")
 
     def test_export(self):
         self.ok("explore", "s.obj", *QUICK, "--export", "look.html")

@@ -59,6 +59,30 @@ class Site(unittest.TestCase):
             done = subprocess.run([ROOT / "docs/make-site", site], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("Commands by example", (site / "search/search_index.json").read_text())
+            self.assertFalse((site / "try").exists())
+            for page in ("index.html", "browser.html"):
+                self.assertNotIn("try/index.html", make_site.Links(site / page).links)
+
+    @unittest.skipUnless(importlib.util.find_spec("mkdocs"), "mkdocs is not installed")
+    def test_the_site_has_the_page_on_which_a_mesh_is_dropped(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page, site = pathlib.Path(folder) / "page", pathlib.Path(folder) / "site"
+            subprocess.run([ROOT / "wasm/make-page", page], check=True)
+            for name in ("juliavdb_page.js", "juliavdb_page.wasm"):  # stand-ins for the program
+                (page / name).write_bytes(b"\0asm " + name.encode())
+            done = subprocess.run([ROOT / "docs/make-site", site, "--page", page], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            files = {path.relative_to(page): path.read_bytes() for path in page.rglob("*") if path.is_file()}
+            self.assertEqual({path.relative_to(site / "try"): path.read_bytes() for path in (site / "try").rglob("*") if path.is_file()}, files)
+            for name in ("index.html", "browser.html"):
+                self.assertIn("try/index.html", make_site.Links(site / name).links)
+
+    def test_a_folder_without_the_page_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([ROOT / "docs/make-site", pathlib.Path(folder) / "site", "--page", folder], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("has no index.html; wasm/build makes the page", done.stderr)
+            self.assertEqual(list(pathlib.Path(folder).iterdir()), [])
 
 
 if __name__ == "__main__":

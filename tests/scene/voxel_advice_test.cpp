@@ -14,6 +14,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace {
@@ -62,6 +65,25 @@ class VoxelAdviceTest : public testing::Test {
   TemporaryFolder mFolder;
   Monitor mMonitor;
 };
+
+TEST_F(VoxelAdviceTest, TheResolutionThatFitsIsTheFinestThatDoes) {
+  const std::string input = plate(0.2);
+  const auto fitting = [&](double resolution, double bytes) {
+    return fittingResolution(scene({{"input", input}, {"resolution", std::to_string(static_cast<int>(resolution))}}),
+                             bytes);
+  };
+  EXPECT_FALSE(fitting(2000, std::numeric_limits<double>::infinity()));
+  double before = 0;
+  for (const double bytes : {3e8, 5e8, 2e9}) {
+    const std::optional<double> fits = fitting(4000, bytes);
+    ASSERT_TRUE(fits);
+    EXPECT_GT(*fits, before);
+    EXPECT_FALSE(fitting(*fits, bytes));
+    EXPECT_EQ(fitting(*fits + 10, bytes), fits);
+    before = *fits;
+  }
+  EXPECT_EQ(fitting(40, 0), 0);
+}
 
 TEST_F(VoxelAdviceTest, TheWidthOfAKnownTextureIsFound) {
   const Scene made = scene({{"input", plate(0.2)}});

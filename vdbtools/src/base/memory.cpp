@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #ifdef __EMSCRIPTEN__
+#include <emscripten/emmalloc.h>
 #include <emscripten/heap.h>
 #endif
 
@@ -171,7 +172,9 @@ MemoryLeft memoryLeft(const fs::path& root) {
 
 MemoryLeft addressSpaceLeft([[maybe_unused]] const fs::path& root) {
 #ifdef __EMSCRIPTEN__
-  return {static_cast<double>(emscripten_get_heap_max()) - static_cast<double>(emscripten_get_heap_size()),
+  // What the allocator has been given back lies below the end of the heap, which never shrinks.
+  return {static_cast<double>(emscripten_get_heap_max()) - static_cast<double>(emscripten_get_heap_size()) +
+              static_cast<double>(emmalloc_free_dynamic_memory()),
           "the memory that WebAssembly has"};
 #else
   return leftOf(RLIMIT_AS, root, "VmSize:", "the limit of address space (ulimit -v)");

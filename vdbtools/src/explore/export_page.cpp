@@ -121,7 +121,7 @@ std::string exportPage(const Scene& scene, const Recipe& recipe, const json& loo
   std::string page(pageFile("index.html"));
   page = replaced(page, "<link rel=\"stylesheet\" href=\"page/style.css\">",
                   "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
-                  "'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n<style>\n" +
+                  "'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self'\">\n<style>\n" +
                       std::string(pageFile("style.css")) + "</style>");
   return replaced(page, "<script type=\"module\" src=\"page/main.js\"></script>",
                   "<script type=\"application/json\" id=\"exported\">" + inScript(start) +

@@ -3,8 +3,11 @@
 
 #include "explore/failure_answer.h"
 #include "explore/file_access.h"
+#include "vdbtools/base/memory.h"
+#include "vdbtools/base/text.h"
 #include "vdbtools/files/output_files.h"
 #include "vdbtools/job/fractal_job.h"
+#include "vdbtools/scene/voxel_advice.h"
 
 #include <tbb/task_arena.h>
 
@@ -19,6 +22,19 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostWaiting = 50, kMostKnown = 100;
+
+/// Where addresses end soon, as in WebAssembly, refuses files that will not fit, by an estimate: no swap space helps
+/// there, and the program could end in the middle.
+void requireThatItFits(const Scene& scene) {
+  constexpr double kAdvised = 0.75;  // what this attempt has taken may not all be given back
+  const MemoryLeft left = addressSpaceLeft();
+  const double bytes = left.bytes + residentMemory();
+  if (!fittingResolution(scene, bytes)) return;
+  const std::optional<double> fits = fittingResolution(scene, kAdvised * bytes);
+  throw MemoryError("these voxels would take more memory than the " + memoryText(left.bytes) + " that " + left.limit +
+                        " leaves" + (*fits > 0 ? "; --resolution " + shortText(*fits) + " fits" : ""),
+                    MemoryUse::Field);
+}
 
 }  // namespace
 
@@ -213,6 +229,7 @@ void JobQueue::run(Job& job) {
       names.push_back(path.filename().string());
     }
     const Scene scene = makeScene(options, job);
+    requireThatItFits(scene);
     writeFractal(scene, request.recipe, outputs, job);
     job.throwIfCancelled();
     requireFree(request);

@@ -17,6 +17,8 @@ using openvdb::BBoxd;
 /// The maximum resolution that is suggested: finer features fit into no lattice.
 constexpr double kMostResolution = 4000;
 
+constexpr double kTens = 10;  // chosen resolutions are multiples of it
+
 std::optional<double> voxelFor(double size) {
   return size > 0 && std::isfinite(size) ? std::optional(size / 2) : std::nullopt;
 }
@@ -120,10 +122,23 @@ ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
   // The estimate is for the whole process, including the memory that it has now.
   const double bytes = memoryLeft().bytes + residentMemory();
   const Extent extent = extentOf(scene);
-  constexpr double kTens = 10;
   for (; chosen.resolution > kTens && memoryAt(extent, side / chosen.resolution) > bytes; chosen.resolution -= kTens)
     chosen.limit = ChosenResolution::Limit::Memory;
   return chosen;
+}
+
+std::optional<double> fittingResolution(const Scene& scene, double bytes) {
+  if (!scene.features()) return std::nullopt;
+  const Extent extent = extentOf(scene);
+  if (memoryAt(extent, scene.voxelSize) <= bytes) return std::nullopt;
+  const double side = longestSide(scene.target->distances.box);
+  // More voxels take more memory, so that the bound can be found by halves: `fits` does, `more` does not.
+  double fits = 0, more = std::ceil(side / scene.voxelSize / kTens);
+  while (more - fits > 1) {
+    const double middle = std::floor((fits + more) / 2);
+    (memoryAt(extent, side / (kTens * middle)) <= bytes ? fits : more) = middle;
+  }
+  return kTens * fits;
 }
 
 std::string chosenResolutionText(const Scene& scene) {

@@ -12,7 +12,7 @@ import { cameraFrame, clipPlace, GRADIENTS, Renderer } from "./renderer.js";
 import { bytesOfBase64, liveValues, makeScene } from "./scene.js";
 import { server } from "./server.js";
 import { Stage } from "./stage.js";
-import { stateOfHash, Store, usualLook, checkedLook } from "./store.js";
+import { checkedLook, hashOf, stateOfHash, Store, usualLook } from "./store.js";
 import { makeStrip } from "./strip.js";
 import { TargetView } from "./target.js";
 import { Thumbnails } from "./thumbnails.js";
@@ -23,6 +23,9 @@ const WHOLE = 256;  // nodes along an axis
 const SCENES_KEPT = 40, VOLUMES_KEPT = 5, WAIT = 150;  // milliseconds after the last movement of a slider
 
 const TURN = 12000;  // milliseconds of a turn
+
+// Where the program may lie beside an exported page (wasm/make-page).
+const BESIDE = "juliavdb/";
 
 const BACK = "Any change goes back to the live one.";
 
@@ -119,12 +122,20 @@ async function run() {
     status.textContent = text;
     status.classList.toggle("error", isError);
   };
-  const renderer = new Renderer(canvas);
-  const stage = new Stage(renderer, {
+  let renderer = null, idle = "", why = "";
+  try {
+    renderer = new Renderer(canvas);
+  } catch (error) {
+    if (isExported) throw error;
+    why = error.message;
+    idle = `${why} The exact picture takes its place.`;
+  }
+  const stage = new Stage(canvas, renderer, {
+    why,
     onState: (state, share) => { progress.value = share; },
     onError: (error) => say(`${error.message} The exact picture shows it.`, true),
   });
-  const scenes = new Scenes((one) => one === scene, (one) => renderer.forget(one));
+  const scenes = new Scenes((one) => one === scene, (one) => renderer?.forget(one));
 
   const lighting = new Lighting(start, first.look.options), colourings = new Colourings(start, (recipe) => scenes.key(recipe));
   const shotOf = (which, state) => ({
@@ -198,12 +209,13 @@ async function run() {
       scene = made;
       shownOf = key;
       frameScene();
-      if (said === "The scene is being made." || said === "The target is being prepared.") say("");
+      if (said === "The scene is being made." || said === "The target is being prepared.") say(idle);
       controls.update(store.state);
       strip.update(store.state);
       controls.tell("scene", "");
       draw(false);
       readLook();
+      if (!renderer && !exposing && exact.hidden) showExact();
     } catch (error) {
       if (mine !== asking || error.name === "AbortError" || error.status === 409) return;
       say(error.message, true);
@@ -229,7 +241,7 @@ async function run() {
   const hideExact = () => {
     exposing?.abort();
     exposing = null;
-    if (exposed && said === exposed) say("");
+    if (exposed && said === exposed) say(idle);
     exposed = "";
     exact.hidden = true;
     for (const one of [exactButton, meshButton]) one.setAttribute("aria-pressed", "false");
@@ -340,11 +352,20 @@ async function run() {
   const controls = makeControls(page), strip = makeStrip(page), files = isExported ? null : makeFiles(page);
   page.isBusy = () => Boolean(asking) || Boolean(exposing) || choices.isWorking;
   const thumbnails = page.tiles && start.target ? new Thumbnails(page, page.tiles) : null;
+  // From an exported page to the program beside it, with the look. Only this asks for anything.
+  const goToProgram = async () => {
+    const { input, ...recipe } = store.state.recipe;
+    const isThere = await fetch(`${BESIDE}worker.js`, { method: "HEAD" }).then((answer) => answer.ok, () => false);
+    if (!isThere) return say(`The program is not beside this page: its files would have to lie in the folder '${BESIDE.slice(0, -1)}' next to it.`, true);
+    location.href = `${BESIDE}index.html${hashOf({ ...store.state, recipe, view: null, compare: false }, { recipe: {} })}`;
+  };
+  const canAsk = isExported && /^https?:$/.test(location.protocol);
   const parts = {
     canvas, exact, targetBox, status, progress, strip: strip.element, keys: page.keys?.element ?? null, choices: choices.element,
     title: isExported ? "A look of JuliaVDB" : start.target ? start.target.name + (start.target.atRest ? ", at rest" : "") : "JuliaVDB",
     tools: [...(server.keepsFiles ? [button("Another mesh", () => location.reload(), { title: "The look stays" })] : []),
-      undo, redo, frameButton, turntable, savePicture, ...(isExported ? [] : [exactButton, meshButton, ...(start.target ? [compare] : [])])],
+      undo, redo, frameButton, turntable, savePicture, ...(canAsk ? [button("Make files", goToProgram, { title: "With this look, of a mesh of your own" })] : []),
+      ...(isExported ? [] : [exactButton, meshButton, ...(start.target ? [compare] : [])])],
     panel: files ? [controls.element, files.element] : [exportNote(scene, start), controls.element],
   };
   buildPage(parts);
@@ -373,6 +394,7 @@ async function run() {
     draw(isMoving);
     askLater(isMoving);
     if (!isMoving) readLook();
+    if (!renderer && !isMoving && scene) showExact();
   });
   const setView = (view, isMoving) => store.change((state) => { state.view = view; }, isMoving);
   attachCamera(canvas, {
@@ -415,6 +437,15 @@ async function run() {
   if (scene) frameScene();
   store.tell(false);
   if (!scene) await ask();
+  if (!scene && scenes.key(store.state.recipe) !== scenes.key(first.recipe)) {
+    // The address has a look that cannot be.
+    const refusal = said;
+    Object.assign(store.state, structuredClone(first));
+    store.settle();
+    store.tell(false);
+    await ask();
+    if (scene) say(`${refusal}; the first look is shown instead`, true);
+  }
   thumbnails?.make();
   // For tests, and for scripts in the browser's console.
   window.explore = {

@@ -42,7 +42,9 @@ export class Program {
     };
     this.worker.onerror = (event) => {
       event.preventDefault();
-      const error = new Error(`The program has ended: ${event.message || "it could not be loaded"}. Reload the page; the address holds the look.`);
+      // Exceptions that no text comes with are failed allocations, as far as is known.
+      const why = /\[object|abort|memory/i.test(event.message) ? "most likely because its memory ran out" : event.message || "it could not be loaded";
+      const error = new Error(`The program has ended: ${why}. Reload the page; the address holds the look.`);
       for (const { reject } of this.waiting.values()) reject(error);
       this.waiting.clear();
       this.broken = error;

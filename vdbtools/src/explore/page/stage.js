@@ -31,10 +31,10 @@ export function imageOf(values, width, height, isClear = false) {
 }
 
 export class Stage {
+  // renderer: null where there is no WebGL 2; then nothing is drawn, and requests for pictures fail by `why`.
   // onState(text, share): the state of the picture; share 1 when it is as fine as possible.
-  constructor(renderer, { onState, onError }) {
-    Object.assign(this, { renderer, onState, onError });
-    this.canvas = renderer.canvas;
+  constructor(canvas, renderer, { why = "", onState, onError }) {
+    Object.assign(this, { canvas, renderer, why, onState, onError });
     this.wanted = null;
     this.isMoving = false;
     this.isDirty = false;
@@ -122,6 +122,7 @@ export class Stage {
 
   // Whether there is more to do.
   tick() {
+    if (!this.renderer) return this.drawNothing();
     if (!this.renderer.isIdle()) return true;
     if (this.isCovered && (this.small || this.smalls.length > 0)) return this.tickSmall();
     const { width, height } = this.canvas;
@@ -159,6 +160,15 @@ export class Stage {
       this.waiting = [];
     }
     return this.tickSmall();
+  }
+
+  drawNothing() {
+    this.isDirty = false;
+    for (const { reject } of this.smalls) reject(new Error(this.why));
+    for (const resolve of this.waiting) resolve();
+    this.smalls = [];
+    this.waiting = [];
+    return false;
   }
 
   // once: the expected time for one ray per pixel, milliseconds

@@ -37,6 +37,7 @@ export class TargetView {
   // longest side; the triangles. target: {box, longestSide}
   constructor(canvas, bytes, target) {
     const [points, triangles] = new Uint32Array(bytes, 0, 2), gl = canvas.getContext("webgl2", { antialias: true });
+    if (!gl) throw new Error("This browser has no WebGL 2, which the picture of the target needs.");
     Object.assign(this, { canvas, gl, target, indices: 3 * triangles });
     const program = this.program = gl.createProgram();
     for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
