@@ -194,7 +194,7 @@ class WrongLinks(ProgramTest):
         for what, (recipe, words) in self.REFUSED.items():
             with self.subTest(what):
                 self.open_look(self.look(recipe))
-                self.assertIn(words, self.said())
+                self.wait_until(lambda: words in self.said(), words)
                 self.assertTrue(self.said().endswith("; the first look is shown instead"), self.said())
                 self.assertEqual(self.run_script("return window.explore.store.canUndo"), False)
                 self.assertEqual(self.recipe(), self.run_script("return window.explore.store.first.recipe"))
@@ -213,6 +213,7 @@ class WrongLinks(ProgramTest):
 
     def test_the_words_are_those_of_the_program(self):
         self.open_look(self.look({"detail": "7"}))
+        self.wait_until(self.said, "the refusal")
         native = self.run_program("fractal", "s.obj", "--detail", "7", "-o", "out.vdb")
         said = native.stderr.decode().partition("juliavdb: ")[2].strip()
         self.assertTrue(said)
@@ -235,10 +236,11 @@ class WrongBrowsers(ProgramTest):
         self.wait_for_picture()
         is_shown = "const image = document.querySelector('img.exact'); return !image.hidden && image.naturalWidth > 10"
         self.wait_until(lambda: self.run_script(is_shown), "the exact picture")
+        first = self.run_script("return document.querySelector('img.exact').src")
         self.run_script("window.explore.store.change((state) => { state.recipe.detail = '0.7'; })")
-        self.assertFalse(self.run_script(is_shown))
         self.assertIn("This browser has no WebGL 2", self.run_script("return window.explore.stage.why"))
-        self.wait_until(lambda: self.run_script(is_shown), "the picture of the other look")
+        self.wait_until(lambda: self.run_script(is_shown) and self.run_script("return document.querySelector('img.exact').src") != first,
+                        "the picture of the other look")
         self.make()
         self.button("Beside the target").click()
         self.wait_until(lambda: "has no WebGL 2" in self.said(), "the refusal")
