@@ -598,8 +598,6 @@ class Page(harness.CliTest):
         status = pathlib.Path(f"/proc/{page.process.pid}/status").read_text()
         self.assertLess(int(status.partition("VmHWM:")[2].split()[0]), 1500 * 1024, "kB: a size in a file was believed")
 
-    # -------------------------------------------------------------------------------------------------------- export
-
     def test_files_that_do_not_fit_are_refused_before_they_are_begun(self):
         """Where addresses end; the page as WebAssembly has 4 GiB of them."""
         page = self.serve("s.obj", *QUICK)
@@ -614,6 +612,8 @@ class Page(harness.CliTest):
         self.assertEqual(self.listing(), ["s.obj"])
         job = page.wait_for(page.post("make", {**body, "resolution": "30"})[1]["job"])
         self.assertEqual(job["state"], "done")
+
+    # -------------------------------------------------------------------------------------------------------- export
 
     def test_export(self):
         self.ok("explore", "s.obj", *QUICK, "--export", "look.html")
