@@ -66,10 +66,7 @@ void tellNvdb(const std::vector<vdbtools::NvdbWritten>& grids) {
 }
 
 void tellClamped(const std::vector<vdbtools::ClampedGrid>& grids) {
-  for (const vdbtools::ClampedGrid& grid : grids)
-    report().text() << "warning: " << grid.values << (grid.values == 1 ? " value" : " values") << " of the grid "
-                    << vdbtools::inOneLine(grid.name) << (grid.values == 1 ? " is" : " are")
-                    << " beyond what 16 bits hold, and stored as 65504 or -65504; 32 bits hold them\n";
+  for (const std::string& text : vdbtools::textsOf(grids)) report().text() << "warning: " << text << '\n';
 }
 
 }  // namespace cli

@@ -114,7 +114,9 @@ int runTask(const Arguments& arguments) {
   Number failed = 0, madeTasks = 0, keptTasks = 0;
   for (Number index = range.first; index <= std::min(range.last, count); ++index) {
     try {
-      const bool made = runner.run(index, line.progress());
+      const bool made = runner.run(index, line.progress(), [](const std::string& warning) {
+        report().text() << "warning: " << warning << '\n';
+      });
       report().count(made ? "madeTasks" : "keptTasks", ++(made ? madeTasks : keptTasks));
       report().text() << "task " << index << (made ? " is done\n" : " was done already\n");
       report().noteKept("finished tasks are kept, and the same command goes on from there");

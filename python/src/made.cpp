@@ -110,7 +110,7 @@ std::shared_ptr<const vdbtools::FractalResult> withGrids(MadeFractal& fractal, M
 
 }  // namespace
 
-void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Monitor& monitor) {
+std::vector<std::string> writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Monitor& monitor) {
   for (const std::string& path : paths) {
     const vdbtools::FileFormat* const format = vdbtools::findFormat(path);
     if (!format || !(format->writesGrids || format->writesMesh))
@@ -126,9 +126,11 @@ void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, Mon
   }
   const std::shared_ptr<const vdbtools::FractalResult> grids =
       wanted.wantGrids() ? withGrids(fractal, monitor) : nullptr;
-  vdbtools::writeMadeFractal(fractal.made->scene, fractal.made->recipe, grids ? *grids : fractal.result, fractal.mesh,
-                             fractal.values, wanted, monitor);
+  const std::vector<vdbtools::ClampedGrid> clamped =
+      vdbtools::writeMadeFractal(fractal.made->scene, fractal.made->recipe, grids ? *grids : fractal.result,
+                                 fractal.mesh, fractal.values, wanted, monitor);
   files.commit();
+  return vdbtools::textsOf(clamped);
 }
 
 std::shared_ptr<MadeFit> makeFit(const Recipe& given, std::shared_ptr<const vdbtools::Mesh> mesh, Monitor& monitor) {

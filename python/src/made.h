@@ -125,7 +125,9 @@ std::shared_ptr<MadeFractal> makeFractal(std::shared_ptr<const MadeScene> made, 
 
 /// Writes the fractal to files that all appear together. Grids that do not exist yet are made first, and kept. Several
 /// threads may call it at once.
+/// @return what the user should know of the files, one line each
 /// @throw std::invalid_argument  an extension is none of .vdb, .ply, .obj, .stl and .glb; a file is an input, or given
 ///                               twice
 /// @throw vdbtools::CreateError, vdbtools::IoError, vdbtools::Interrupted
-void writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths, vdbtools::Monitor& monitor);
+std::vector<std::string> writeFiles(MadeFractal& fractal, const std::vector<std::string>& paths,
+                                    vdbtools::Monitor& monitor);

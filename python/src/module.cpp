@@ -340,8 +340,11 @@ PYBIND11_MODULE(_juliavdb, m) {
                              "crumb_volume.")
       .def("_write", [](MadeFractal& fractal, const std::vector<std::string>& paths, const py::object& progress,
                         const std::optional<int>& threads) {
+        std::vector<std::string> warnings;
         doWatched(progress, resourcesFor(*fractal.made, threads),
-                  [&](Monitor& monitor) { writeFiles(fractal, paths, monitor); });
+                  [&](Monitor& monitor) { warnings = writeFiles(fractal, paths, monitor); });
+        for (const std::string& warning : warnings)
+          if (PyErr_WarnEx(PyExc_RuntimeWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
       });
 
   py::class_<MadeFit, std::shared_ptr<MadeFit>>(m, "Fit", "A rational map in the shape of a target, as fit() makes it.")

@@ -160,7 +160,11 @@ class HandOff(harness.CliTest):
         self.ok("task", "farm", "--range", "1-2")
         merged = self.ok("merge", "farm", "-o", "merged.vdb")
         self.assertEqual(self.bytes("merged.vdb"), self.bytes("half.vdb"))
-        self.assertEqual([line for line in merged.splitlines() if "16 bits" in line], [line for line in said.splitlines() if "16 bits" in line])
+        warnings = [line for line in said.splitlines() if "16 bits" in line]
+        self.assertEqual([line for line in merged.splitlines() if "16 bits" in line], warnings)
+        self.ok("plan", "frames", *runs["fractal"][1:], "--half", "--frames", "1-1", "-o", "frames", "--make", "vdb")
+        task = self.ok("task", "frames", "--index", 1)
+        self.assertEqual([line for line in task.splitlines() if "16 bits" in line], warnings)
 
     def test_half(self):
         for name, options in (("full", ()), ("half", ("--half",))):

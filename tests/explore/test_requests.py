@@ -369,6 +369,14 @@ class Page(harness.CliTest):
                        check=True, stderr=subprocess.PIPE)
         self.assertEqual({name: self.path("out").joinpath(name).read_bytes() for name in made}, made)
 
+    def test_a_job_tells_what_halves_cannot_hold(self):
+        self.write("large.obj", harness.obj(harness.moved(harness.torus(around=24, across=12), 1e6, (0, 0, 0))))
+        for target, expected in (("s.obj", 0), ("large.obj", 1)):
+            page = self.serve(target, "--half", *QUICK)
+            job = page.wait_for(self.make(page))
+            self.assertEqual((job["state"], len(job["warnings"])), ("done", expected), job)
+        self.assertRegex(job["warnings"][0], r"^\d+ values of the grid surface are beyond what 16 bits hold")
+
     def test_a_target_that_moves_is_shown_at_rest_and_made_in_its_pose(self):
         points, faces = harness.torus(around=24, across=12)
         self.write("pose.obj", harness.obj(([(x, y + 0.4 * x * x, z) for x, y, z in points], faces)))

@@ -10,6 +10,7 @@ import re
 import sys
 import threading
 import unittest
+import warnings
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 
@@ -96,6 +97,17 @@ class LikeTheCommand(ModuleTest):
                     self.ok("fractal", self.torus, "-o", "b.vdb", "--mesh", f"b.{extension}", *SMALL_WORDS, *words)
                 for extension in ("vdb", "ply", "obj", "stl"):
                     self.assertEqual(self.bytes(f"a.{extension}"), self.bytes(f"b.{extension}"), extension)
+
+    def test_values_that_halves_cannot_hold_are_told(self):
+        points, faces = arrays(self.mesh)
+        for size, expected in ((1, 0), (1e6, 1)):
+            made = juliavdb.fractal(size * points, faces, **SMALL, half=True)
+            made.write(self.path("a.ply"))
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always")
+                made.write(self.path("a.vdb"))
+            self.assertEqual([one.category for one in told], expected * [RuntimeWarning])
+        self.assertRegex(str(told[0].message), r"^\d+ values of the grid surface are beyond what 16 bits hold")
 
     def test_grids_in_other_formats(self):
         made = juliavdb.fractal(self.torus, **SMALL, grids="surface,density")

@@ -370,13 +370,10 @@ json ExploreSession::make(const json& body) {
 json ExploreSession::jobs() {
   json all = json::array();
   for (const JobStatus& status : mJobs.list()) {
-    json job = {{"job", status.number},
-                {"name", status.request.name},
-                {"state", nameOf(status.state)},
-                {"phase", status.phase},
-                {"share", status.share},
-                {"files", status.files},
-                {"formats", status.request.formats},
+    json job = {{"job", status.number},          {"name", status.request.name},
+                {"state", nameOf(status.state)}, {"phase", status.phase},
+                {"share", status.share},         {"files", status.files},
+                {"warnings", status.warnings},   {"formats", status.request.formats},
                 {"recipe", status.request.given}};
     job["left"] = status.left < 0 ? json() : json(status.left);
     job["error"] = status.error.empty() ? json() : json(status.error);

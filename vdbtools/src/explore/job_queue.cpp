@@ -68,10 +68,11 @@ class JobQueue::Job final : public Monitor {
     mStatus.state = JobState::Failed;
     mStatus.error = error;
   }
-  void finish(std::vector<std::string> files) {
+  void finish(std::vector<std::string> files, std::vector<std::string> warnings) {
     const std::lock_guard lock(mMutex);
     mStatus.state = JobState::Done;
     mStatus.files = std::move(files);
+    mStatus.warnings = std::move(warnings);
   }
   JobState state() const {
     const std::lock_guard lock(mMutex);
@@ -230,11 +231,11 @@ void JobQueue::run(Job& job) {
     }
     const Scene scene = makeScene(options, job);
     requireThatItFits(scene);
-    writeFractal(scene, request.recipe, outputs, job);
+    const FractalResult result = writeFractal(scene, request.recipe, outputs, job);
     job.throwIfCancelled();
     requireFree(request);
     files.commit();
-    job.finish(std::move(names));
+    job.finish(std::move(names), textsOf(result.clamped));
   } catch (const Interrupted&) {
     job.setState(JobState::Cancelled);
   } catch (...) {

@@ -35,10 +35,11 @@ struct JobStatus {
   JobRequest request;
   JobState state = JobState::Queued;
   std::string phase;
-  double share = 0;                ///< the done share of the work, from 0 to 1
-  double left = -1;                ///< remaining seconds; negative if unknown
-  std::vector<std::string> files;  ///< the names of its files, once they are complete
-  std::string error;               ///< why a job failed
+  double share = 0;                   ///< the done share of the work, from 0 to 1
+  double left = -1;                   ///< remaining seconds; negative if unknown
+  std::vector<std::string> files;     ///< the names of its files, once they are complete
+  std::string error;                  ///< why a job failed
+  std::vector<std::string> warnings;  ///< what whoever uses its files should know, one line each
 };
 
 /// The files that a job has made.

@@ -175,7 +175,7 @@ void TaskRunner::sweep() {
   mSwept = Clock::now();
 }
 
-bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
+bool TaskRunner::run(std::uint64_t index, Monitor& monitor, const std::function<void(const std::string&)>& warn) {
   TaskRecord record;
   record.hash = taskHash(mManifest, index);
   // Also if nothing is to be made: another process with the same task may have been killed.
@@ -199,7 +199,8 @@ bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   forgetPeak();
   const Clock::time_point start = Clock::now();
   const double cpuStart = cpuSeconds();
-  record.counts = mMaker(mFolder, mManifest, index, monitor).counts;
+  TaskCounts made = mMaker(mFolder, mManifest, index, monitor);
+  record.counts = std::move(made.counts);
   monitor.begin(PhaseKind::Checking, 0);
   for (const std::string& name : mManifest.tasks[index - 1].writes) record.files.push_back(fileRecord(mFolder, name));
   record.wallSeconds = std::chrono::duration<double>(Clock::now() - start).count();
@@ -211,6 +212,8 @@ bool TaskRunner::run(std::uint64_t index, Monitor& monitor) {
   sideCar.stream() << encodeRecord(index, record);
   sideCar.commit();
   removeUnneeded(mFolder, mManifest);
+  if (warn)
+    for (const std::string& warning : made.warnings) warn(warning);
   return true;
 }
 

@@ -97,7 +97,7 @@ TaskCounts VariantMaker::make(std::uint64_t index, Monitor& monitor) {
     return writeFractal(scene, taskRecipe(mManifest, index), files.wanted(), monitor);
   });
   files.commit();
-  TaskCounts counts{{{"evaluatedNodes", result.evaluatedNodes}}};
+  TaskCounts counts{{{"evaluatedNodes", result.evaluatedNodes}}, textsOf(result.clamped)};
   if (files.wanted().wantMesh()) {
     counts.counts["triangles"] = result.mesh.triangles;
     counts.counts["points"] = result.mesh.points;

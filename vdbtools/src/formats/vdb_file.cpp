@@ -322,6 +322,15 @@ auto withBeginning(const std::filesystem::path& path, const Use& use) {
 
 }  // namespace
 
+std::vector<std::string> textsOf(const std::vector<ClampedGrid>& grids) {
+  std::vector<std::string> texts;
+  for (const ClampedGrid& grid : grids)
+    texts.push_back(std::to_string(grid.values) + (grid.values == 1 ? " value" : " values") + " of the grid " +
+                    inOneLine(grid.name) + (grid.values == 1 ? " is" : " are") +
+                    " beyond what 16 bits hold, and stored as 65504 or -65504; 32 bits hold them");
+  return texts;
+}
+
 void requireVdbVoxel(double voxelSize, std::string_view wayOut) {
   if (isOrdinaryScale(openvdb::Vec3d(voxelSize))) return;
   std::ostringstream text;

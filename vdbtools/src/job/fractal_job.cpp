@@ -335,18 +335,21 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
   return result;
 }
 
-void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
-                      std::span<const float> values, const FractalFiles& files, Monitor& monitor) {
+std::vector<ClampedGrid> writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made,
+                                          const Mesh& mesh, std::span<const float> values, const FractalFiles& files,
+                                          Monitor& monitor) {
   monitor.begin(PhaseKind::Writing, 0);
   const std::map<std::string, std::string> metadata = sceneMetadata(scene, recipe);
   if (files.wantGrids()) requireVdbVoxel(scene.voxelSize);
   MeshFiles meshes;
   addMeshFiles(meshes, scene, meshBox(planScene(scene)), metadata, files);
-  if (files.wantGrids()) writeGrids(scene, metadata, made, files, nullptr);
+  std::vector<ClampedGrid> clamped;
+  if (files.wantGrids()) writeGrids(scene, metadata, made, files, &clamped);
   meshes.addPoints({mesh.points, mesh.normals, values});
   meshes.addTriangles(mesh.triangles, 0);
   meshes.finish();
   monitor.throwIfCancelled();
+  return clamped;
 }
 
 namespace {

@@ -25,6 +25,7 @@ namespace vdbtools::farm {
 /// What the maker of a task returns after committing its files.
 struct TaskCounts {
   std::map<std::string, std::uint64_t> counts;  ///< "triangles", "points", "evaluatedNodes" and the like
+  std::vector<std::string> warnings;            ///< what whoever runs the task should know, one line each
 };
 
 struct TaskFile {
@@ -109,9 +110,10 @@ class TaskRunner {
   /// Makes the task's files and writes its side-car; then removes what no task needs any more. Before the first task,
   /// it sweeps the folder and checks the inputs; it sweeps again where the last time is kSweepInterval ago. An
   /// interruption leaves the task missing.
+  /// @param warn  takes the warnings of what was made
   /// @return false if the task was already done
   /// @throw as requireInputs(), AtomicFile and the maker; std::out_of_range
-  bool run(std::uint64_t index, Monitor& monitor);
+  bool run(std::uint64_t index, Monitor& monitor, const std::function<void(const std::string&)>& warn = {});
 
   /// Records that a task has failed, if the disk permits. @param error  one line
   void recordFailure(std::uint64_t index, int exitCode, const std::string& error) const noexcept;

@@ -32,6 +32,9 @@ struct ClampedGrid {
   std::uint64_t values = 0;  ///< how many active values were too large
 };
 
+/// One line for each: "12 values of the grid trap are beyond what 16 bits hold, and stored as ..."
+std::vector<std::string> textsOf(const std::vector<ClampedGrid>& grids);
+
 struct VdbWriteOptions {
   /// 16-bit floats on disk: half the size, 3 digits. Finite values beyond 65504 would become infinite, and are stored
   /// as 65504 or -65504.

@@ -128,9 +128,11 @@ FractalResult writeFractal(const Scene& scene, const Recipe& recipe, const Fract
 /// Writes what runFractal() made of a scene earlier, with the same bytes as writeFractal().
 /// @param made          must have grids if a file of grids is written
 /// @param mesh, values  the mesh and the values of its columns that runFractal() passed to its sink
+/// @return grids with values that were too large for a file of 16-bit floats
 /// @throw as writeFractal()
-void writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made, const Mesh& mesh,
-                      std::span<const float> values, const FractalFiles& files, Monitor& monitor);
+std::vector<ClampedGrid> writeMadeFractal(const Scene& scene, const Recipe& recipe, const FractalResult& made,
+                                          const Mesh& mesh, std::span<const float> values, const FractalFiles& files,
+                                          Monitor& monitor);
 
 // Recognises files that need not be made again.
 

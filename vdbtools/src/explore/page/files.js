@@ -68,7 +68,7 @@ export function makeFiles(page) {
     lines.set(job.job, line);
     const left = job.left === null || job.left === undefined ? "" : `, ${timeText(job.left)} left`;
     const what = job.state === "running" ? `${job.phase || "beginning"}${left}` : job.state === "failed" ? job.error
-      : job.state === "done" ? job.files.join(", ") : job.state;
+      : job.state === "done" ? [job.files.join(", "), ...job.warnings.map((text) => `warning: ${text}`)].join("; ") : job.state;
     line.element.className = job.state;
     line.what.textContent = what;
     // A file that this page has made is shown in the view and the light at the time of the request.
