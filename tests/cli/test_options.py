@@ -128,7 +128,7 @@ VALUES = {
         "texture-placement": "inside", "texture-distance": "0.2", "texture-centre": "0.2,0,0", "texture-radius": "0.3",
         "texture-over": ("coral", "rings"), "texture-over-seed": "9", "texture-over-frequency": "fine", "texture-mix": "0.9",
         "grain": ("around", "1,0.5,0"), "grain-turn": "40",
-        "rest": ("rest.obj", "bent.obj"), "rest-frame": "6", "rest-attribute": ("rest", "home"), "rest-depth": "kept",
+        "rest": ("two.obj", "bent.obj"), "rest-frame": "6", "rest-attribute": ("rest", "home"), "rest-depth": "kept",
         "texture-symmetry": "3:y", "texture-scale": "1.5", "texture-translate": "0.1,0,0", "origin": "0.1,0,0", "origin-near": "0.4,0,0",
         "origin-shift": "0.1,0,0", "space": "world", "box": "-0.6,-0.5,-0.3,0.7,0.8,0.9", "seed-stride": "32",
         "tolerance": "0.4", "adaptivity": "2", "crumbs": "keep", "largest": "1", "min-size": "0.9", "precision": "double",
