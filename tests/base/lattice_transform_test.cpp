@@ -21,6 +21,7 @@ void expectSame(const openvdb::math::Transform& a, const openvdb::math::Transfor
   EXPECT_EQ(a.voxelSize(), b.voxelSize());
 }
 
+// Promise: Targets "in units of any ..."
 TEST(LatticeTransform, PutsNodesWhereTheyBelong) {
   for (const double size : kSizes) {
     SCOPED_TRACE(size);
@@ -43,6 +44,7 @@ TEST(LatticeTransform, IsThatOfOpenVdbWhereThereIsOne) {
   }
 }
 
+// Promise: Targets "in units of any ..."
 TEST(LatticeTransform, EverySecondNodeLiesWhereItLay) {
   for (const double size : kSizes) {
     const auto fine = latticeTransform(size), coarse = coarserTransform(*fine);
@@ -51,6 +53,7 @@ TEST(LatticeTransform, EverySecondNodeLiesWhereItLay) {
   }
 }
 
+// Promise: Targets "in units of any ..."
 TEST(LatticeTransform, ComesBackFromAFile) {
   for (const double size : kSizes) {
     const auto grid = openvdb::FloatGrid::create(static_cast<float>(3 * size));

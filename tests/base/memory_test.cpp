@@ -55,6 +55,7 @@ TEST_F(Memory, OfAGroupIsItsLimitLessWhatItUses) {
   EXPECT_NE(sharedMemoryLeft(mRoot).limit.find("group"), std::string::npos);
 }
 
+// Promise: "Work that is known not to fit ..."
 TEST_F(Memory, OfAGroupIsLimitedByThoseAboveIt) {
   machine(500);
   file("proc/self/cgroup", "0::/a/b\n");
@@ -98,6 +99,7 @@ TEST(MemoryText, HasTheUnitOfItsSize) {
   EXPECT_EQ(memoryText(7), "7 bytes");
 }
 
+// Promise: "Work that is known not to fit ..."
 TEST(RequireMemory, RefusesWhatNoMachineHas) {
   try {
     requireMemory(1e18, MemoryUse::Field, "the field");

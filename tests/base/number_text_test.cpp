@@ -13,6 +13,7 @@ namespace {
 
 using namespace vdbtools;
 
+// Promise: "Messages have numbers of four ..."
 TEST(NumberText, ShortNumbersAreNearAndBoundsHold) {
   for (std::size_t i = 0; i < 20000; ++i) {
     const double size = std::pow(10, 40 * randomUnit(1, 0, i) - 20), value = i % 2 == 0 ? size : -size;
@@ -27,6 +28,7 @@ TEST(NumberText, ShortNumbersAreNearAndBoundsHold) {
   }
 }
 
+// Promise: "Messages have numbers of four ..."
 TEST(NumberText, ShortNumbersStandForThemselvesWhereTheyAreShort) {
   for (const char* text : {"0", "1", "0.25", "-3.5", "1000", "0.001234"})
     for (const Rounding rounding : {Rounding::Nearest, Rounding::Up, Rounding::Down})

@@ -215,6 +215,8 @@ class Animation(harness.CliTest):
         self.assertGreater((abs(expected) < VOXEL).sum(), 1000)
         self.assertLess(abs(expected - found).max(), VOXEL / 100, f"frame {frame}")
 
+    # Promise of targets.md: Nodes, skins and morph targets of a glTF at a frame, "with steps, lines or cubic splines between
+    #   keys"; without one they "are as the file has them"
     def test_a_frame_is_what_python_computes(self):
         """Nodes, skins and morph targets; lines, steps and splines; before, between and after the keys."""
         for frame in (0, 12, 17.5, 29, 36, 100):
@@ -222,10 +224,12 @@ class Animation(harness.CliTest):
         self.assert_shows(18, "--target-frame", 9, "--target-fps", FPS / 2)
         self.assert_shows(18, "--target-frame", 18, "--target-animation", "walk")
 
+    # Promise: Nodes, skins and morph targets ...
     def test_without_a_frame_nodes_stand_as_the_file_says(self):
         """Skins and weights of morph targets count there, too."""
         self.assert_shows(None)
 
+    # Promise: `--frames` plays an animated ...
     def test_animations_are_chosen(self):
         """By name and by number; several at once are those one after the other."""
         def made(*words):
@@ -238,6 +242,8 @@ class Animation(harness.CliTest):
         self.assertEqual(made("--target-animation", 1), jumps)
         self.assertNotIn(made("--target-animation", "all"), (walks, jumps))
 
+    # Promise of targets.md#animated-gltf: `--frames` plays an animated glTF; `--target-frame`, `--target-fps` and
+    #   `--target-animation` choose the moment
     def test_a_sequence_is_the_frames_one_by_one(self):
         self.ok("fractal", "walk.gltf", "--frames", "12,20", "-o", "f.####.vdb", *self.EVEN)
         self.assertNotEqual(self.bytes("f.0012.vdb"), self.bytes("f.0020.vdb"))
@@ -254,17 +260,20 @@ class Animation(harness.CliTest):
         self.assertIn("kept 0 of 2 frames", self.ok(
             "fractal", "walk.gltf", "--frames", "12,20", "-o", "f.####.vdb", "--target-fps", 30, *self.EVEN))
 
+    # Promise: `--frames` plays an animated ...
     def test_keys_change_the_time(self):
         self.ok("fractal", "walk.gltf", "--frames", "1-3", "--key", "target-frame@1=12", "--key", "target-frame@3=13",
                 "-o", "f.####.vdb", *self.EVEN)
         self.ok("fractal", "walk.gltf", "--target-frame", 12.5, "-o", "one.vdb", *self.EVEN)
         self.assertEqual(self.bytes("one.vdb"), self.bytes("f.0002.vdb"))
 
+    # Promise: `--frames` plays an animated ...
     def test_info_lists_animations(self):
         found = self.info("walk.gltf")["animations"]
         self.assertEqual([each["name"] for each in found], ["walk", "jump"])
         numpy.testing.assert_allclose(found[0]["seconds"], [0, 2])
 
+    # Promise: `--frames` plays an animated ...
     def test_what_cannot_be_is_refused(self):
         self.write("still.obj", harness.obj(harness.cube()))
         still = Gltf()
@@ -278,6 +287,7 @@ class Animation(harness.CliTest):
         self.refused(BAD_DATA, "fractal", "walk.gltf", "--target-frame", 3, "--target-animation", "swim", *out,
                      mentions=("'swim'", "'walk', 'jump'"))
 
+    # Promise: `--frames` plays an animated ...
     def test_damaged_animations_are_refused(self):
         """The nodes of walk() are: the first ball, its parent, two joints, the ball with the skin, and the one that grows."""
         first = "animations/0/"

@@ -32,6 +32,7 @@ class Attributes(harness.CliTest):
         super().setUp()
         self.write("s.obj", harness.obj(harness.sphere(3, 2.0, (3, -2, 5))))
 
+    # Promise of attributes.md: "The program says what a file has no room for"
     def test_a_ply_has_a_property_of_each(self):
         self.ok("fractal", "s.obj", *SMALL, "--attributes", "direction,Cd,trap", "--mesh", "f.ply")
         self.assertEqual(header(self.bytes("f.ply")), [
@@ -41,6 +42,7 @@ class Attributes(harness.CliTest):
         self.ok("fractal", "s.obj", *SMALL, "--mesh", "plain.ply")
         self.assertEqual(len(header(self.bytes("plain.ply"))), 6)
 
+    # Promise: "The program says what a file ..."
     def test_what_a_format_cannot_hold_is_said(self):
         words = ("fractal", "s.obj", *SMALL, "--attributes", "Cd,trap,depth")
         said = self.ok(*words, "--mesh", "f.stl")
@@ -51,12 +53,14 @@ class Attributes(harness.CliTest):
                           if line.startswith("v ")}, {7})
         self.assertNotIn("note:", self.ok(*words, "--mesh", "f.ply"))
 
+    # Promise: `mesh` makes the mesh of a fractal's ...
     def test_a_mesh_made_from_a_vdb_has_its_attributes(self):
         self.ok("fractal", "s.obj", *SMALL, "--colour", "trap:magma", "-o", "f.vdb", "--mesh", "one.ply")
         self.ok("mesh", "f.vdb", "-o", "two.ply")
         self.assertEqual(header(self.bytes("one.ply")), header(self.bytes("two.ply")))
         self.assertEqual(self.bytes("one.ply").split(b"end_header")[1], self.bytes("two.ply").split(b"end_header")[1])
 
+    # Promise of attributes.md: A picture of a file "has the same colours" as the file
     def test_pictures_have_the_colours_of_the_recipe(self):
         self.ok("fractal", "s.obj", *SMALL, "--colour", "trap:magma", "-o", "f.vdb")
         self.ok("render", "--field", "f.vdb", *PICTURE, "-o", "recipe.png")
@@ -67,6 +71,8 @@ class Attributes(harness.CliTest):
         self.assertEqual(self.bytes("other.png"), self.bytes("usual.png"))
         self.assertNotEqual(self.bytes("recipe.png"), self.bytes("usual.png"))
 
+    # Promise: A picture of a file "has the same ..."
+    # Promise: `--colour` "adds `Cd` to the attributes"; "The name ..."
     def test_a_picture_as_gradient(self):
         self.ok("slice", "s.obj", *SMALL, "--size", 16, "-o", "ramp.png")
         self.ok("fractal", "s.obj", *SMALL, "--colour", "depth:ramp.png", "-o", "f.vdb")
@@ -74,6 +80,8 @@ class Attributes(harness.CliTest):
         self.ok("slice", "s.obj", *SMALL, "--size", 17, "-o", "ramp.png")
         self.refused(BAD_DATA, "render", "--field", "f.vdb", *PICTURE, "-o", "b.png", mentions="ramp.png")
 
+    # Promise: "No two grids share a name"
+    # Promise: "`plan tiles` and `merge` ..."
     def test_bad_options(self):
         self.all_refused(USAGE, [("fractal", "s.obj", *option, "-o", "f.vdb") for option in (
             ("--attributes", "colour"), ("--attributes", "trap,trap"), ("--colour", "pink"), ("--colour", "clay:magma"),
@@ -109,6 +117,8 @@ class Ranges(harness.CliTest):
         self.ok("fractal", "s.obj", *SMALL, "--attributes", "Cd,trap,depth,iterations", "--colour", colour, *more, "--mesh", "g.ply")
         return points(self.bytes("g.ply"))
 
+    # Promise of attributes.md: The first number of a range gets the first colour of the gradient, the second one the last; a list
+    #   of colours is a ramp
     def test_a_range_has_the_ends_of_the_gradient(self):
         for name, low, high in (("trap", 0.3, 0.6), ("depth", -0.2, 0.1), ("iterations", 1.2, 2.5)):
             for point in self.greys(f"{name}:grey:{low}:{high}"):
@@ -117,6 +127,7 @@ class Ranges(harness.CliTest):
             self.assertEqual(self.greys(f"{name}:000000,ffffff:{low}:{high}"), self.greys(f"{name}:grey:{low}:{high}"))
         self.assertEqual(self.greys("trap:viridis:0:1"), self.greys("trap:0:1"))
 
+    # Promise: The first number of a range ...
     def test_a_list_of_colours_is_a_ramp(self):
         for point in self.greys("trap:#ff0000,00ff00,#0000ff:0.2:0.8"):
             place = 2 * min(max((point["trap"] - 0.2) / 0.6, 0), 1)

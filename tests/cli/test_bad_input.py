@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Promise of SECURITY.md: Of files from other people: "All that they can do is fail: exit code 65, one line on stderr, no output"
 """Bad input and bad options: the exit code, one line on stderr, no file left."""
 
 import json
@@ -24,12 +25,14 @@ class Meshes(harness.CliTest):
         self.refused(code, "sdf", name, "-o", "x.vdb", "--resolution", 24, **options)
         self.refused(code, "fractal", name, "-o", "x.vdb", "--mesh", "x.ply", *LOW, **options)
 
+    # Promise of design.md#4-the-command-line: A file that is not there, or is a folder, ends in 66
     def test_missing(self):
         names = [f"nowhere.{extension}" for extension in (*self.ENCODERS, "vdb")]
         self.all_refused(NO_INPUT, [("fractal", name, "-o", "x.vdb") for name in names], mentions="nowhere")
         self.all_refused(NO_INPUT, [("info", name) for name in names], mentions="nowhere")
         self.refused(NO_INPUT, "sdf", "nowhere.obj", "-o", "x.vdb", mentions="nowhere.obj")
 
+    # Promise: A file that is not there, or is a folder, ends in 66
     def test_a_folder(self):
         self.path("folder.obj").mkdir()
         self.path("folder.vdb").mkdir()
@@ -45,6 +48,8 @@ class Meshes(harness.CliTest):
                       ("mesh", name, "-o", "x.ply")]
         self.all_refused(NO_INPUT, cases, mentions="folder.")
 
+    # Promise of reliability.md: "A file that is broken, or made to do harm, ends in exit code 65 with one line on stderr and no
+    #   output"
     def test_empty(self):
         names = [f"empty.{extension}" for extension in (*self.ENCODERS, "vdb", "json", "p4d", "poly4d", "o3d")]
         for name in names:
@@ -53,12 +58,14 @@ class Meshes(harness.CliTest):
         self.both_refuse(BAD_DATA, "empty.obj", mentions="empty.obj")
         self.refused(BAD_DATA, "fractal", "empty.vdb", "-o", "x.vdb", mentions="empty.vdb")
 
+    # Promise: "A file that is broken, or made ..."
     def test_not_what_its_name_says(self):
         names = [f"noise.{extension}" for extension in (*self.ENCODERS, "vdb", "json", "p4d", "o3d", "txt")]
         for name in names:
             self.write(name, bytes(range(256)) * 20)
         self.all_refused(BAD_DATA, [("info", name) for name in names], mentions="noise")
 
+    # Promise: "A file that is broken, or made ..."
     def test_truncated(self):
         mesh, cases = harness.sphere(2), []
         for extension, encode in self.ENCODERS.items():
@@ -69,6 +76,7 @@ class Meshes(harness.CliTest):
                 cases.append(("sdf", name, "-o", "x.vdb", "--resolution", 32))
         self.all_refused(BAD_DATA, cases)
 
+    # Promise: "A file that is broken, or made ..."
     def test_not_finite(self):
         (points, faces), cases = harness.sphere(1), []
         for value in (float("nan"), float("inf"), -float("inf")):
@@ -79,6 +87,8 @@ class Meshes(harness.CliTest):
         cases.append(("fractal", "bad_nan.obj", "-o", "x.vdb", *LOW))
         self.all_refused(BAD_DATA, cases, mentions="bad_")
 
+    # Promise of targets.md: Points whose coordinates are not finite "are left out if no face uses them, and the program says how
+    #   many there were"
     def test_not_finite_and_not_used(self):
         """Such points are left out, and said."""
         points, faces = harness.sphere(2)
@@ -124,6 +134,7 @@ class Meshes(harness.CliTest):
         self.write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n")
         self.refused(BAD_DATA, "sdf", "point.obj", "-o", "x.vdb", "--resolution", 24)
 
+    # Promise: "A file that is broken, or made ..."
     def test_counts_that_lie(self):
         mesh = harness.sphere(2)
         points, faces = len(mesh[0]), len(mesh[1])
@@ -143,6 +154,7 @@ class Meshes(harness.CliTest):
             self.write(name, content)
         self.all_refused(BAD_DATA, [("sdf", name, "-o", "x.vdb", "--resolution", 24) for name in lies])
 
+    # Promise: A mesh that bounds no volume ...
     def test_leaky(self):
         self.write("leaky.obj", harness.obj(harness.with_hole(harness.sphere(3), 0.94)))
         self.both_refuse(BAD_DATA, "leaky.obj", mentions="--repair")
@@ -185,6 +197,7 @@ class Vdbs(harness.CliTest):
         self.all_refuse(self.save("two.vdb", [one, two]), mentions=["one", "two"])
         self.ok("mesh", "two.vdb", "-o", "x.ply", "--grid", "two")
 
+    # Promise: "A file that is broken, or made ..."
     def test_not_finite(self):
         for value in (float("nan"), float("inf")):
             grid = self.sphere_grid()
@@ -210,6 +223,7 @@ class Vdbs(harness.CliTest):
     def test_empty_grid(self):
         self.all_refuse(self.save("empty.vdb", pyopenvdb.FloatGrid(1.0)))
 
+    # Promise: "A file that is broken, or made ..."
     def test_truncated(self):
         self.save("ball.vdb", self.sphere_grid())
         data = self.bytes("ball.vdb")
@@ -219,6 +233,7 @@ class Vdbs(harness.CliTest):
         self.all_refused(BAD_DATA, [("mesh", name, "-o", "x.ply") for name in self.listing() if "cut" in name],
                          mentions="cut_")
 
+    # Promise: "A file that is broken, or made ..."
     def test_broken_metadata(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         self.ok("fractal", "s.obj", "-o", "good.vdb", *LOW)
@@ -264,6 +279,7 @@ class VersorFiles(harness.CliTest):
     def tearDown(self):
         self.all_refused(BAD_DATA, self.pending)
 
+    # Promise: A file that is not there, or is a folder, ends in 66
     def test_missing(self):
         self.write("s.obj", harness.obj(harness.sphere(1)))
         for extension in ("json", "p4d", "poly4d", "o3d", "vdb"):
@@ -272,6 +288,7 @@ class VersorFiles(harness.CliTest):
         self.refused(NO_INPUT, "versor", "inspect", "nowhere.json", mentions="nowhere.json")
         self.refused(NO_INPUT, "versor", "scale", "nowhere.json", "2", "-o", "x.json", mentions="nowhere.json")
 
+    # Promise: "A file that is broken, or made ..."
     def test_truncated(self):
         text = harness.rational_json(harness.ROOTS)
         for share in (0.1, 0.5, 0.99):
@@ -284,6 +301,7 @@ class VersorFiles(harness.CliTest):
         for size in (10, 60, 100, len(data) // 2, len(data) - 64, len(data) - 1):
             self.inspect_refused("cut.o3d", data[:size])
 
+    # Promise: "A file that is broken, or made ..."
     def test_counts_that_lie(self):
         data = bytearray(harness.p4d(harness.ROOTS))
         # The counts stand at 0 (degree), 4, 8, 12 (unused arrays), 16 (roots), and 20 + 3 * 32 (powers).
@@ -301,6 +319,7 @@ class VersorFiles(harness.CliTest):
             self.inspect_refused("lie.o3d", bytes(lie))
         self.inspect_refused("long.o3d", shape + b"\0" * 8)
 
+    # Promise: "A file that is broken, or made ..."
     def test_not_finite(self):
         nan, inf = float("nan"), float("inf")
         for root in ((nan, 0, 0, 0, 1), (0, 0, 0, inf, 1), (0, 0, 0, 0, nan), (0, 0, 0, 0, inf)):
@@ -346,6 +365,7 @@ class Places(harness.CliTest):
                 (("fit", "s.obj", "--roots", 3, "--resolution", 20, "-o"), ".json"), (("usd", "s.vdb", "-o"), ".usda"),
                 (("convert", "s.vdb", "-o"), ".nvdb")]
 
+    # Promise of design.md: An output that "cannot be created" ends in 73, and a full disk in 74
     def test_no_such_folder(self):
         self.refused(CANNOT_CREATE, "sdf", "s.obj", "-o", "nowhere/x.vdb", mentions="there is no folder nowhere; make it first, by mkdir -p")
         self.all_refused(CANNOT_CREATE, [(*job, f"nowhere/x{extension}") for job, extension in self.jobs()],
@@ -355,12 +375,14 @@ class Places(harness.CliTest):
         self.all_refused(CANNOT_CREATE, [(*job, f"v.json/x{extension}") for job, extension in self.jobs()],
                          mentions="v.json")
 
+    # Promise: An output that "cannot be ..."
     def test_the_output_is_a_folder(self):
         for job, extension in self.jobs():
             name = f"folder{extension}"
             self.path(name).mkdir(exist_ok=True)
             self.refused(CANNOT_CREATE, *job, name, mentions=name)
 
+    # Promise: An output that "cannot be ..."
     @unittest.skipIf(os.geteuid() == 0, "root may write everywhere")
     def test_a_folder_that_may_not_be_written(self):
         self.path("locked").mkdir(mode=0o500)
@@ -378,17 +400,20 @@ class Places(harness.CliTest):
     def test_no_output(self):
         self.all_refused(USAGE, [job[:-1] for job, _ in self.jobs()], mentions="-o")
 
+    # Promise: Files are never half written: "Outputs ..."
     def test_an_existing_file_survives_a_failure(self):
         self.write("old.vdb", "precious")
         self.refused(BAD_DATA, "fractal", "s.obj", *LOW, "--beta=-5", "-o", "old.vdb")
         self.assertEqual(self.bytes("old.vdb"), b"precious")
 
+    # Promise: An output that "cannot be ..."
     def test_full_device(self):
         self.all_refused(IO_ERROR, [(*job, "/dev/full") for job, _ in self.jobs()], mentions="/dev/full")
         with open("/dev/full", "wb") as full:
             self.refused(IO_ERROR, "info", "s.obj", stdout=full)
             self.refused(IO_ERROR, "--help", stdout=full)
 
+    # Promise: An output that "cannot be ..."
     def test_full_disk(self):
         if os.geteuid() != 0:
             self.skipTest("only root can mount a small disk")
@@ -408,6 +433,7 @@ class Places(harness.CliTest):
         # And the disk can be used again at once.
         self.ok("versor", "new", "-o", "disk/small.json")
 
+    # Promise: An output that "cannot be ..."
     def test_file_size_limit(self):
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
@@ -423,6 +449,7 @@ class Options(harness.CliTest):
         super().setUp()
         self.write("s.obj", harness.obj(harness.sphere(2)))
 
+    # Promise of design.md: "wrong usage: an unknown option, or a value out of range" ends in 2, with the option and the value
     def test_values_out_of_their_domain(self):
         cases = {
             "alpha": ["nan", "inf", "-inf", "0", "-3", "abc", "", "x:10", "x:10:", "x:10:abc", "x:10:300:rough",
@@ -474,6 +501,7 @@ class Options(harness.CliTest):
         self.all_refused(USAGE, [("sdf", "s.obj", "-o", "x.vdb", f"--{option}={value}")
                                  for option, values in cases.items() for value in values])
 
+    # Promise: "wrong usage: an unknown ..."
     def test_alternatives_exclude_each_other(self):
         self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", "--resolution", 24, "--follow", "--exhaustive",
                      mentions="--follow")
@@ -485,6 +513,7 @@ class Options(harness.CliTest):
                      mentions=["--resolution", "--voxel-size"])
         self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", "--alpha", 24, "--alpha", 25, mentions="alpha")
 
+    # Promise: "wrong usage: an unknown ..."
     def test_values_that_begin_with_a_minus(self):
         self.ok("fractal", "s.obj", "-o", "x.vdb", *LOW, "--beta", "-0.05", "--origin", "-0.1,0,0",
                 "--texture-translate", "-0.1,-0.2,0", "--slice", "-0.05", "--box", "-0.5,-0.5,-0.5,1,1,1")
@@ -492,27 +521,32 @@ class Options(harness.CliTest):
         self.assertEqual((recipe["beta"], recipe["origin"]), ("-0.05", "-0.1,0,0"))
         self.ok("fractal", "--map", "quadratic", "--c", "-0.2,0.6,0.2,0.2", "-o", "q.vdb", "--resolution", 16)
 
+    # Promise: "wrong usage: an unknown ..."
     def test_nothing_to_work_on(self):
         self.refused(USAGE, "fractal", "-o", "x.vdb", mentions="target")
         self.refused(USAGE, "sdf", "-o", "x.vdb", mentions="mesh")
         self.refused(USAGE, "fractal", "--map", "rational", "-o", "x.vdb", mentions="give a box")
         self.refused(USAGE, "fractal", "s.obj", mentions="-o")
 
+    # Promise: "An empty result is an error, not ..."
     def test_box_far_away(self):
         for box in ("50,50,50,51,51,51", "-9,-9,-9,-8,-8,-8"):
             self.refused(BAD_DATA, "fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", *LOW, f"--box={box}",
                          mentions="box")
 
+    # Promise: "An empty result is an error, not ..."
     def test_box_without_a_node(self):
         self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", *LOW, "--box", "0.01,0.01,0.01,0.02,0.02,0.02",
                      mentions="box")
 
+    # Promise of design.md: "An empty result is an error, not an empty file"
     def test_an_empty_fractal(self):
         for output in (("-o", "x.vdb"), ("--mesh", "x.ply"), ("-o", "x.vdb", "--mesh", "x.ply"),
                        ("-o", "x.vdb", "--grids", "logmodulus")):
             with self.subTest(output=output):
                 self.refused(BAD_DATA, "fractal", "s.obj", *LOW, "--beta", "-5", *output, mentions="empty")
 
+    # Promise: "A file that is read for its recipe ..."
     def test_config_files(self):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 24)
         self.refused(USAGE, "fractal", "--config", "s.vdb", "-o", "x.vdb", mentions=["s.vdb", "sdf"])
@@ -594,11 +628,13 @@ class EveryCommand(harness.CliTest):
                (("plan", "sheet", "-o", "x"), ("json",)), (("usd", "-o", "x.usda"), ("vdb",)), (("info",), ("obj", "vdb", "json", "nvdb")),
                (("convert", "-o", "x.nvdb"), ("vdb",)))
 
+    # Promise: A file that is not there, or is a folder, ends in 66
     def test_an_input_that_is_not_there(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         self.all_refused(NO_INPUT, [(*words, f"gone.{kind}") for words, kinds in self.READERS for kind in kinds],
                          mentions="gone.")
 
+    # Promise: "A file that is broken, or made ..."
     def test_an_input_that_is_noise(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         cases = []

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Promise: "neither the instruction set ..."
 """Another C library changes no byte: neither of fields and meshes, nor of pictures, plots and numbers.
 
 JULIAVDB_OTHER_LIBM names a library to be preloaded, whose functions (sin, exp, pow ...) give another last bit wherever

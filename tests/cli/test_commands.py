@@ -30,6 +30,7 @@ class Help(harness.CliTest):
     def test_version(self):
         self.assertRegex(self.ok("--version", data=True), r"\Ajuliavdb \d+\.\d+\.\d+\n\Z")
 
+    # Promise of usage.md: "Every command has a `--help` with its options by groups, and examples", which run as printed
     def test_help_of_each_command(self):
         for command in commands():
             for word in ("--help", "-h"):
@@ -44,6 +45,7 @@ class Help(harness.CliTest):
         for command in commands():
             self.assertIn(command.encode(), run.stderr)
 
+    # Promise of design.md: "Options have no abbreviations"; a word that is none "is refused with the nearest one that is"
     def test_unknown_words(self):
         self.refused(USAGE, "frctal", mentions="frctal")
         self.refused(USAGE, "--frobnicate", mentions="--frobnicate")
@@ -56,6 +58,7 @@ class Help(harness.CliTest):
                 self.refused(USAGE, command, "--thr", "2", mentions="thr")  # no guessing of abbreviations
                 self.refused(USAGE, command, "--threads", mentions="threads")
 
+    # Promise: "Options have no abbreviations"; a word ...
     def test_one_word_too_many(self):
         for command in ("sdf", "fractal", "mesh", "sheet", "slice", "study", "render"):
             self.refused(USAGE, command, "one.vdb", "two.vdb", "-o", "x.vdb", mentions="too many")
@@ -94,6 +97,7 @@ class Examples(harness.CliTest):
                 replace(option, value)
         return words
 
+    # Promise: "Every command has a `--help` ..."
     def test_the_lines_of_every_help_run_as_printed(self):
         self.write("bunny.obj", harness.obj(harness.sphere(3)))
         for frame in (1, 2):
@@ -121,6 +125,7 @@ class Examples(harness.CliTest):
 
 class Streams(harness.CliTest):
 
+    # Promise: "stdout carries data only"
     def test_a_picture_can_go_to_standard_output(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 24)
@@ -128,12 +133,14 @@ class Streams(harness.CliTest):
         self.assertEqual(run.returncode, DONE, run.stderr)
         self.assertEqual(run.stdout, self.bytes("s.vdb"))
 
+    # Promise of design.md: "stdout carries data only"
     def test_the_lines_say_what_was_written_chosen_and_left(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         text = self.ok("fractal", "s.obj", "-o", "s.vdb", "--mesh", "s.ply", "--resolution", 24, "--sdf-resolution", 24, "--progress", "none")
         self.assertRegex(text, r"\Awrote s\.vdb, s\.ply: [^\n]*triangles\norigin at [^\n]*\nthe set holds [^\n]*\n\Z")
         self.assertEqual(self.listing(), ["s.obj", "s.ply", "s.vdb"])
 
+    # Promise: "A reader that closes the pipe ..."
     def test_a_reader_that_is_gone(self):
         self.write("s.obj", harness.obj(harness.needle()))
         reader, writer = os.pipe()
@@ -147,6 +154,7 @@ class Streams(harness.CliTest):
 
 class Frames(harness.CliTest):
 
+    # Promise of usage.md: "`####` and `%04d` work too" in names of frames
     def test_frame_patterns(self):
         self.write("s.obj", harness.obj(harness.cube()))
         for pattern in ("name.####.vdb", "name.$F4.vdb", "name.%04d.vdb", "name.vdb"):
@@ -158,6 +166,7 @@ class Frames(harness.CliTest):
                 16, "--frame", 12)
         self.assertEqual(self.listing(), ["f.0012.ply", "f.0012.vdb", "s.obj"])
 
+    # Promise: "`####` and `%04d` work too" ...
     def test_frames_that_are_none(self):
         self.write("s.obj", harness.obj(harness.cube()))
         self.refused(USAGE, "sdf", "s.obj", "-o", "name.####.vdb", mentions="####")
@@ -167,12 +176,14 @@ class Frames(harness.CliTest):
 
 class Threads(harness.CliTest):
 
+    # Promise: "`--threads N` (or the variables ..."
     def test_thread_counts(self):
         self.write("s.obj", harness.obj(harness.cube()))
         for value in ("0", "-1", "1.5", "two", "nan", "100000", ""):
             self.refused(USAGE, "sdf", "s.obj", "-o", "s.vdb", f"--threads={value}", mentions="threads")
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 16, "--threads", 1)
 
+    # Promise: "`--threads N` (or the variables ..."
     def test_slurm(self):
         self.write("s.obj", harness.obj(harness.cube()))
         # What Slurm sets is not the user's word: a value that is none is passed over.
@@ -244,6 +255,8 @@ class InfoOnEveryKind(harness.CliTest):
         self.assertIn("triangles: 20\n", text)
         self.assertIn("closed: true\n", text)
 
+    # Promise of design.md: "Messages have numbers of four digits and `info` of six, places of twelve", and `info --json` has all
+    #   digits
     def test_text_has_the_digits_that_mean_something(self):
         """All of them are in the JSON; places have those that tell points apart far from the origin."""
         self.write("a.obj", harness.obj(harness.moved(harness.sphere(2), 1 / 3, (1e6, 0, 1 / 7))))

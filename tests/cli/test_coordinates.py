@@ -80,6 +80,8 @@ class Far(harness.CliTest):
                 uses.add(edge)
         self.assertTrue(all((b, a) in uses for a, b in uses), "an open edge")
 
+    # Promise of design.md: STL: "Beyond 1/1000 it is refused, as its triangles would lose their area", and short of that no
+    #   triangle without an area is written, in any format
     def test_fractals(self):
         refused = 0
         for offset in self.OFFSETS:
@@ -101,6 +103,7 @@ class Far(harness.CliTest):
                         self.check_near(triangles, exact)
         self.assertGreater(refused, 0)
 
+    # Promise: STL: "Beyond 1/1000 it is refused, as its triangles ..."
     def test_other_ways_to_a_mesh(self):
         """From voxels, with few triangles, in levels of detail, from tiles, to print, and for USD."""
         self.write_far(1e6)
@@ -132,6 +135,8 @@ class Far(harness.CliTest):
         self.ok("fractal", "far.obj", *LOW, "--mesh", "whole.obj")
         self.assertEqual(self.bytes("t.obj"), self.bytes("whole.obj"))
 
+    # Promise: STL: "Beyond 1/1000 it is refused, as its triangles ..."
+    # Promise: USD: a `Volume` "refers to the VDB ..."
     def test_usd(self):
         for offset in (0.0, 10.0, 300.0, 1e3, 1e7):
             with self.subTest(offset=offset):
@@ -204,26 +209,38 @@ class Units(harness.CliTest):
         self.use(harness.moved((lumps, faces), 1.0, (1, -2, 3)))
         self.check_exact(self.SMALL, (*job, "--sdf-resolution", 32))
 
+    # Promise of targets.md: Targets "in units of any size", at any place: small voxels, deep zooms, and "A prop of 2 mm in metres
+    #   gives meshes like any other"
+    # Promise of design.md: "a target that is scaled by a power of two has the same mesh, scaled, to the bit"
     def test_about_the_origin(self):
         self.use(harness.sphere(3))
         for options in (LOW, (*LOW, "--detail", 0.4, "--texture", "random"), (*LOW, "--repair")):
             self.check_exact(self.SMALL + self.FACTORS, options)
 
+    # Promise: Targets "in units of any ..."
+    # Promise: "a target that is scaled ..."
     def test_whole(self):
         self.check_jobs("--resolution", 28)
 
+    # Promise: Targets "in units of any ..."
+    # Promise: "a target that is scaled ..."
     def test_rough(self):
         self.check_jobs("--resolution", 28, "--alpha", 15, "--texture", "random", "--largest", 1)
 
+    # Promise: "a target that is scaled ..."
     def test_adaptive(self):
         self.check_jobs("--resolution", 28, "--adaptivity", 0.2)
 
+    # Promise: "a target that is scaled ..."
     def test_follow(self):
         self.check_jobs("--resolution", 60, "--follow")
 
+    # Promise: "a target that is scaled ..."
     def test_repair_and_detail(self):
         self.check_jobs("--resolution", 28, "--repair", "--detail", "0.5")
 
+    # Promise: Targets "in units of any ..."
+    # Promise: "a target that is scaled ..."
     def test_zoom(self):
         self.use(harness.sphere(3))
         box = (0.5, -0.2, -0.2, 1.3, 0.2, 0.2)
@@ -238,6 +255,7 @@ class Units(harness.CliTest):
                 self.write_scaled(factor)
                 self.check_scaled(plain, zoomed("scaled.obj", factor), factor)
 
+    # Promise: Targets "in units of any ..."
     def test_deep_zooms(self):
         """A box of a few voxels about a point of the surface, ever smaller: the surface goes through it."""
         mesh = self.points("fractal", "one.obj", *LOW, "--precision", "double", "--tolerance", 1e-9, "--mesh")
@@ -266,6 +284,7 @@ class Units(harness.CliTest):
         self.refused(harness.USAGE, "fractal", "far.obj", *job[2:4], f"--box={box}", *job[5:], "--mesh", "none.ply",
                      mentions="use voxels of at least 1.001e-09")
 
+    # Promise: Targets "in units of any ..."
     def test_level_sets(self):
         """Distances of VDBs scale too, as far down as other programs can read VDBs."""
         self.ok("sdf", "one.obj", "-o", "one.vdb", "--resolution", 28)
@@ -281,6 +300,7 @@ class Units(harness.CliTest):
                 for p, q in zip(plain.points, scaled.points):
                     self.assertLess(math.dist(p, [x / factor for x in q]), 1e-5 * voxel)
 
+    # Promise: Targets "in units of any ..."
     def test_a_print(self):
         """What is printed has its size in millimetres, whatever the units of the file."""
         job = ("--size", 40, "--resolution", 60, "--min-thickness", 1, "--flat-base", 0.5, "-o", "p.stl")
@@ -292,6 +312,9 @@ class Units(harness.CliTest):
                 self.ok("print", "scaled.obj", *job)
                 self.assertEqual(self.bytes("p.stl"), plain)
 
+    # Promise: Targets "in units of any ..."
+    # Promise of targets.md: "a VDB cannot have voxels below 1.45e-5, and is refused", with the option and the voxel that are
+    #   meant
     def test_a_prop_in_metres(self):
         """Two millimetres: a mesh is made, and a VDB, which cannot have such voxels, is refused before any work."""
         self.write("prop.obj", harness.obj(harness.moved(self.shape, 0.001, (0, 0, 0))))
@@ -310,6 +333,7 @@ class Units(harness.CliTest):
             self.assertIn(f"{option} ", self.ok("points", "--help", "all", data=True))
         self.ok("points", "speck.obj", "--points", 20, "-o", "p.ply")
 
+    # Promise: Targets "in units of any ..."
     def test_tiles_of_a_small_shape(self):
         self.write_scaled(2.0**-20)
         self.ok("plan", "tiles", "scaled.obj", *LOW, "-o", "plan", "--tiles", 2, "--make", "ply")
@@ -336,6 +360,7 @@ class ByteOrderMarks(harness.CliTest):
             made.append(self.bytes(out))
         return made
 
+    # Promise of design.md: "A byte order mark at the beginning of a text file is passed over"
     def test_meshes(self):
         sphere = harness.sphere(2)
         points, faces = sphere
@@ -351,6 +376,7 @@ class ByteOrderMarks(harness.CliTest):
                 plain, marked = self.both(name, content, "fractal", name, *LOW, "--mesh", out="out.stl")
                 self.assertEqual(marked, plain)
 
+    # Promise: "A byte order mark at the beginning ..."
     def test_gltf(self):
         points, faces = harness.sphere(2)
         body = b"".join(struct.pack("<3f", *p) for p in points) + b"".join(struct.pack("<3I", *f) for f in faces)
@@ -366,6 +392,7 @@ class ByteOrderMarks(harness.CliTest):
         plain, marked = self.both("m.gltf", json.dumps(tree), "fractal", "m.gltf", *LOW, "--mesh", out="out.stl")
         self.assertEqual(marked, plain)
 
+    # Promise: "A byte order mark at the beginning ..."
     def test_a_binary_stl_may_begin_with_any_bytes(self):
         sphere = harness.sphere(2)
         content = harness.stl(sphere)
@@ -375,12 +402,14 @@ class ByteOrderMarks(harness.CliTest):
         self.ok("fractal", "m.stl", *LOW, "--mesh", "marked.stl")
         self.assertEqual(self.bytes("marked.stl"), self.bytes("plain.stl"))
 
+    # Promise: "A byte order mark at the beginning ..."
     def test_lists_of_options(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         plain, marked = self.both("list.txt", "alpha = 20\nresolution = 28\n", "fractal", "s.obj", "--config",
                                   "list.txt", "--sdf-resolution", 28, "--mesh", out="out.stl")
         self.assertEqual(marked, plain)
 
+    # Promise: "A byte order mark at the beginning ..."
     def test_recipes_in_meshes(self):
         """An OBJ that was opened and saved by an editor still has its recipe."""
         self.write("s.obj", harness.obj(harness.sphere(2)))
@@ -391,6 +420,7 @@ class ByteOrderMarks(harness.CliTest):
         self.assertEqual(self.info("marked.obj")["recipe"], self.info("plain.obj")["recipe"])
         self.assertEqual(self.info("marked.obj")["recipe"]["alpha"], "20")
 
+    # Promise: "A byte order mark at the beginning ..."
     def test_maps(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         plain, marked = self.both("v.json", harness.rational_json(harness.ROOTS), "fractal", "s.obj", *LOW,

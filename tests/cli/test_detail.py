@@ -26,6 +26,7 @@ class Detail(harness.CliTest):
         said = self.ok("fractal", *options, *LOW, "--mesh", "m.ply")
         return harness.read_ply(self.bytes("m.ply")), said
 
+    # Promise: "every point with phi <= ..."
     def test_it_reaches_as_deep_as_asked_for(self):
         voxel = 2 / 40
         for detail, outward in ((0.2, 0.1), (0.5, 0), (0.4, 0.3)):
@@ -35,6 +36,7 @@ class Detail(harness.CliTest):
             self.assertLess(max(found), outward + voxel)
             self.assertLess(min(found), -0.5 * detail)
 
+    # Promise of controls.md: What the program "chose and what is left", and a warning where little is
     def test_it_says_what_was_chosen_and_what_is_left(self):
         mesh, said = self.fractal("s.obj", "--detail", 0.2)
         self.assertRegex(said, r"origin at .*: detail 0\.2 is alpha [\d.]+( to [\d.]+)?, beta -?[\d.e-]+")
@@ -43,11 +45,14 @@ class Detail(harness.CliTest):
         self.assertAlmostEqual(float(share), 100 * harness.volume_of(mesh) / target, delta=2)
         self.assertNotIn("warning", said)
 
+    # Promise: What the program "chose and what ..."
     def test_little_is_left_with_a_warning(self):
         _, said = self.fractal("t.obj", "--alpha", 9, "--origin=0.35,0,0")
         self.assertIn("warning: less than half", said)
         self.assertIn("--detail", said)
 
+    # Promise: `auto` takes the deepest ...
+    # Promise: The recorded origin makes ...
     def test_the_origin_is_found_where_the_middle_of_the_box_is_a_hole(self):
         said = self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb")
         where = [float(x) for x in re.search(r"origin at ([^:]+):", said).group(1).split(",")]
@@ -59,6 +64,7 @@ class Detail(harness.CliTest):
         self.assertIn("the set holds", again)
         self.refused(USAGE, "fractal", "t.obj", *LOW, "--origin", "centre", "-o", "x.vdb", mentions="inside the target")
 
+    # Promise: What the program "chose and what ..."
     def test_info_speaks_both_languages(self):
         self.ok("fractal", "s.obj", *LOW, "--detail", 0.5, "-o", "d.vdb")
         told = self.info("d.vdb")
@@ -81,11 +87,13 @@ class Detail(harness.CliTest):
         self.assertAlmostEqual(mesh["depth"], 0.3, delta=0.02)
         self.assertEqual(mesh["parts"], 1)
 
+    # Promise: Where the mask is 0, "the plain ..."
     def test_a_mask_of_zeros_gives_the_target_and_says_so(self):
         mesh, said = self.fractal("s.obj", "--detail", 0.5, "--mask", 0)
         self.assertLess(max(map(abs, distances(mesh))), 2 / 40)
         self.assertIn("the mask is 0 everywhere", said)
 
+    # Promise of options.md: Detail and the papers' numbers exclude each other; over a recipe the one displaces the other
     def test_detail_and_alpha_exclude_each_other(self):
         for first, second in (("detail", "alpha"), ("detail", "beta"), ("outward", "alpha"), ("outward", "beta")):
             self.refused(USAGE, "fractal", "s.obj", "-o", "x.vdb", *LOW, f"--{first}", 0.1, f"--{second}", 0.1,
@@ -102,6 +110,7 @@ class Detail(harness.CliTest):
         self.assertNotIn("alpha", recipe)
         self.assertEqual((recipe["detail"], recipe["outward"]), ("0.2", "0.3"))
 
+    # Promise: A mesh that bounds no volume ...
     def test_a_wire_thinner_than_its_voxels_is_refused_with_a_way_out(self):
         points, faces = harness.sphere(3)
         self.write("wire.obj", harness.obj(([(x, 0.002 * y, 0.002 * z) for x, y, z in points], faces)))

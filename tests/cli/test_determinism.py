@@ -30,6 +30,7 @@ class SameBytes(harness.CliTest):
             for other in others:
                 self.assertTrue(first == other, f"{arguments}: the bytes of {extension} differ with the threads")
 
+    # Promise of README.md: "The same recipe gives the same bytes, for any number of threads"
     def test_fractals(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for options in (("t.obj",), ("t.obj", "--alpha", "x:10:100:smooth", "--beta", "y:0:0.02"),
@@ -42,6 +43,7 @@ class SameBytes(harness.CliTest):
                 low = LOW if options[0] == "t.obj" else LOW[:2]
                 self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", *options, *low, "--grids", ALL_GRIDS)
 
+    # Promise of reliability.md: "`--exhaustive`, which evaluates every node, gives the same mesh and the same values"
     def test_skipping_changes_no_byte(self):
         """What is skipped, because its fate is proven, would have come out the same."""
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
@@ -56,6 +58,7 @@ class SameBytes(harness.CliTest):
                 # STL carries no recipe, in which --exhaustive stands.
                 self.assertTrue(self.bytes("skipped.stl") == self.bytes("all.stl"), options)
 
+    # Promise of design.md#meshes: A mesh that is written while it is made is the one beside a VDB
     def test_a_mesh_alone_is_the_mesh_beside_a_vdb(self):
         """Alone it is written while it is made; the field is never whole."""
         for options in ((), ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7"), ("--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7", "--cap")):
@@ -67,6 +70,7 @@ class SameBytes(harness.CliTest):
     def test_following(self):
         self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", "t.obj", *LOW, "--follow")
 
+    # Promise of design.md: "any size of a batch, and any vector width"
     def test_vector_units_change_no_byte(self):
         flags = pathlib.Path("/proc/cpuinfo").read_text().split()
         sets = ["portable"] + [name for name, flag in (("avx2", "avx2"), ("avx512", "avx512vl")) if flag in flags]
@@ -78,12 +82,14 @@ class SameBytes(harness.CliTest):
                 for kind in (".vdb", ".ply"):
                     self.assertTrue(self.bytes(name + kind) == self.bytes("portable" + kind), (options, name, kind))
 
+    # Promise: "The same recipe gives the same ..."
     def test_fractal_in_a_box(self):
         self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", "t.obj", *LOW, "--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7",
                    "--grids", ALL_GRIDS)
         self.twice({"-o": ".vdb", "--mesh": ".ply"}, "fractal", "t.obj", *LOW, "--box", "-0.2,-0.3,-0.2,0.8,0.9,0.7",
                    "--cap")
 
+    # Promise: "The same recipe gives the same ..."
     def test_the_other_commands(self):
         self.twice({"-o": ".vdb"}, "sdf", "t.obj", "--resolution", 48)
         self.write("hole.obj", harness.obj(harness.with_hole(harness.sphere(3), 0.94)))
@@ -116,6 +122,8 @@ class Recipes(harness.CliTest):
         self.assertTrue(self.bytes("f.vdb") == self.bytes(vdb), f"{vdb} differs from f.vdb")
         self.assertTrue(self.bytes("f.ply") == self.bytes(mesh), f"{mesh} differs from f.ply")
 
+    # Promise of README.md#use: A run from the recipe in a VDB, PLY, OBJ or GLB, in a text, or in a cell of a sheet has the bytes
+    #   of the first
     def test_from_what_was_made(self):
         self.ok("fractal", "s.obj", *self.options, *self.random, *self.grids_of, "--mesh", "f.obj", "-o", "beside.vdb")
         for config in ("f.vdb", "f.ply", "f.obj"):
@@ -123,6 +131,8 @@ class Recipes(harness.CliTest):
                 self.ok("fractal", "--config", config, "-o", "again.vdb", "--mesh", "again.ply")
                 self.same("again.vdb", "again.ply")
 
+    # Promise of reliability.md: "A file that is read for its recipe alone" is "judged by its recipe alone"; a mistake in a text
+    #   of options "is wrong usage, which ends in 2"
     def test_a_file_that_is_read_for_its_recipe_alone(self):
         """Its voxels and triangles are neither read nor judged."""
         for name in ("f.vdb", "f.ply"):
@@ -134,6 +144,7 @@ class Recipes(harness.CliTest):
                 self.ok("fractal", "--config", f"broken-{name}", "-o", "again.vdb", "--mesh", "again.ply")
                 self.same("again.vdb", "again.ply")
 
+    # Promise: A run from the recipe in a VDB, PLY, OBJ ...
     def test_from_a_text(self):
         self.write("job.cfg", "# a comment\ninput = s.obj\nresolution = 28\nsdf-resolution=28\nalpha = y:20:90@0.7\n"
                    "beta = 0.01\nversor-seed = 11\nslice = 0.1\ngrids = surface,versor\n")
@@ -145,12 +156,14 @@ class Recipes(harness.CliTest):
         self.ok("fractal", "--config", "job.cfg", "-o", "config.vdb")
         self.assertEqual(self.info("config.vdb")["recipe"]["half"], "true")
 
+    # Promise of controls.md: "Options on the command line take precedence over those of the cell, as with every `--config`"
     def test_the_command_line_goes_first(self):
         self.ok("fractal", "--config", "f.vdb", "--alpha", 60, "--voxel-size", 0.1, "-o", "other.vdb")
         recipe = self.info("other.vdb")["recipe"]
         self.assertEqual((recipe["alpha"], recipe["voxel-size"], recipe["texture-seed"]), ("60", "0.1", "11"))
         self.assertNotIn("resolution", recipe)
 
+    # Promise of design.md: "a run from a recipe refuses inputs that have changed"
     def test_another_source_is_refused(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         self.refused(BAD_DATA, "fractal", "--config", "f.vdb", "-o", "x.vdb", mentions=["s.obj", "SHA-256"])
@@ -160,12 +173,14 @@ class Recipes(harness.CliTest):
         self.path("s.obj").unlink()
         self.refused(harness.NO_INPUT, "fractal", "--config", "f.vdb", "-o", "y.vdb", mentions="s.obj")
 
+    # Promise: "a run from a recipe refuses ..."
     def test_another_versor_is_refused(self):
         self.write("v.json", harness.rational_json(harness.ROOTS))
         self.ok("fractal", "s.obj", *LOW, "--texture", "v.json", "-o", "v.vdb")
         self.write("v.json", harness.rational_json(harness.ROOTS[:2]))
         self.refused(BAD_DATA, "fractal", "--config", "v.vdb", "-o", "x.vdb", mentions=["v.json", "SHA-256"])
 
+    # Promise: "a run from a recipe refuses ..."
     def test_another_control_grid_is_refused(self):
         for option, value in (("alpha", 40.0), ("beta", 0.01)):
             with self.subTest(option=option):
@@ -182,6 +197,7 @@ class Recipes(harness.CliTest):
                 self.ok("fractal", "--config", "c.vdb", f"--{option}", "paint.vdb:paint", "-o", "y.vdb")
                 self.path("y.vdb").unlink()
 
+    # Promise: A run from the recipe in a VDB, PLY, OBJ ...
     def test_sdf_recipe(self):
         self.ok("sdf", "s.obj", "-o", "a.vdb", "--resolution", 30, "--band", 4)
         self.ok("sdf", "--config", "a.vdb", "-o", "b.vdb")

@@ -59,6 +59,7 @@ class SameBytes(Devices):
             files[name] = [self.bytes(name + word) for word in outputs if not word.startswith("-")]
         self.assertTrue(files["here"] == files["there"], f"{arguments}: the bytes differ")
 
+    # Promise of gpu.md: "The files have the same bytes with every choice"
     def test_of_every_map(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for options in (("t.obj",), ("t.obj", "--precision", "double"), ("t.obj", "--texture", "v.o3d", "--sampling", "quadratic"),
@@ -75,6 +76,8 @@ class SameBytes(Devices):
     def test_of_grids_whose_values_are_those_of_the_field(self):
         self.same("fractal", "t.obj", *LOW, "--grids", "surface,logmodulus,iterations,versor", outputs=("-o", ".vdb"))
 
+    # Promise: "The files have the same bytes with every choice"
+    # Promise: "have the device follow rays, some ..."
     def test_of_a_picture_of_the_field(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         low = ("--sdf-resolution", 28)
@@ -85,6 +88,7 @@ class SameBytes(Devices):
             with self.subTest(options=options):
                 self.same("render", "--field", *options, "--size", "64x48", outputs=("-o", ".png"))
 
+    # Promise of gpu.md: "have the device follow rays, some half a million (2^19) in one call"
     def test_rays_of_a_picture_are_followed_together(self):
         """The number of calls does not depend on the size of the picture, and the device follows nearly all rays to their ends."""
         uses = [self.use("render", "--field", "--map", "mandelbulb", "--size", size, "-o", "a.png") for size in ("96x64", "288x192")]
@@ -95,6 +99,7 @@ class SameBytes(Devices):
             self.assertGreater(use["deviceMostRays"], use["deviceRays"] / 3)
         self.assertLessEqual(uses[1]["deviceCalls"], uses[0]["deviceCalls"] + 4)
 
+    # Promise: "The files have the same bytes with every choice"
     def test_of_tiles(self):
         self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", "here")
         self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", "there")
@@ -104,6 +109,7 @@ class SameBytes(Devices):
         for extension in (".vdb", ".ply"):
             self.assertTrue(self.bytes("here" + extension) == self.bytes("there" + extension), extension)
 
+    # Promise of gpu.md: "`submit --gpus` gives each task a device of its own"
     def test_of_tasks_that_gnu_parallel_gives_to_devices(self):
         for name in ("here", "there"):
             self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", name)
@@ -146,11 +152,13 @@ class SameBytes(Devices):
         self.assertGreater(uses[-1]["deviceMostPoints"], 100000)
         self.assertGreater(uses[-1]["deviceMostEdges"], 0.9 * uses[-1]["deviceEdges"] - 10000)
 
+    # Promise: "The files have the same bytes with every choice"
     def test_with_any_number_of_threads(self):
         for threads in (1, 3):
             self.ok("fractal", "t.obj", *LOW, "--mesh", f"{threads}.ply", "--threads", threads, *ON)
         self.assertTrue(self.bytes("1.ply") == self.bytes("3.ply"))
 
+    # Promise: "The files have the same bytes with every choice"
     def test_of_textures_made_of_others(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for options in (("--texture-symmetry", "3:y"), ("--texture-symmetry", "5:z:mirror"),
@@ -159,6 +167,7 @@ class SameBytes(Devices):
             self.assertNotIn("The processor", self.ok("fractal", "t.obj", *LOW, *options, "--mesh", "there.ply", *ON))
             self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"), options)
 
+    # Promise of gpu.md: "It also evaluates fields that the device cannot, and the run says why"
     def test_of_what_the_device_leaves_to_the_processor(self):
         options = ("fractal", "t.obj", *LOW, "--texture", "expr:y,-x,z+2")
         self.ok(*options, "--mesh", "here.ply")
@@ -192,6 +201,7 @@ class SameBytes(Devices):
 
 class Missing(Devices):
 
+    # Promise: "`submit --gpus` gives each ..."
     def test_the_devices_of_submitted_tasks(self):
         self.ok("plan", "tiles", "t.obj", *LOW, "--tiles", 2, "-o", "farm")
         script = self.ok("submit", "farm", "--engine", "parallel", "--gpus", "3,1", "--dry-run", data=True)
@@ -212,6 +222,7 @@ class Missing(Devices):
             with self.subTest(choice=choice):
                 self.refused(USAGE, "fractal", "t.obj", *LOW, "-o", "a.vdb", "--device", choice, mentions="device")
 
+    # Promise of gpu.md: "exit code 70, and one line that says why for each device"
     def test_no_platform(self):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=NO_PLATFORM, mentions="no driver of OpenCL")
         self.assertIn("Evaluates on the processor",
@@ -221,6 +232,7 @@ class Missing(Devices):
         for mention in ("There is no device", "  /nonexistent: no .icd file", "  libnvidia-opencl.so.1: ", "  libamdocl64.so: "):
             self.assertIn(mention, said)
 
+    # Promise: "exit code 70, and one line ..."
     def test_no_loader(self):
         env = {"JULIAVDB_OPENCL": "/nonexistent/libOpenCL.so.1"}
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=env, mentions="/nonexistent/libOpenCL.so.1")
@@ -241,6 +253,7 @@ class FailingDevices(Devices):
         self.assertEqual(said.count(mentions), 1, said)
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"), mode)
 
+    # Promise of gpu.md: "the processor goes on; the run says so"
     def test_one_that_is_lost_in_the_middle(self):
         # The last two kernels evaluate signs and search edges; those before them try the arithmetic and the fields.
         kernels = self.use("fractal", "t.obj", *LOW, "--mesh", "there.ply")["deviceKernels"]
@@ -248,9 +261,11 @@ class FailingDevices(Devices):
             with self.subTest(number=number):
                 self.here(f"lost:{number}", "The processor goes on; the result is the same.")
 
+    # Promise: "exit code 70, and one line ..."
     def test_one_that_is_lost_at_the_start(self):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("lost:1"), mentions="OpenCL's error -5")
 
+    # Promise of gpu.md: "the device gives no answer for a minute"
     def test_one_that_gives_no_answer(self):
         # Two results are read for its arithmetic, and a few for the fields.
         for number in (4, 9, 14):
@@ -263,19 +278,23 @@ class FailingDevices(Devices):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, mentions="its compiler did not end in 2 s",
                      env=fake("compiler", JULIAVDB_DEVICE_TIMEOUT="0.5"))
 
+    # Promise: "the device gives no answer ..."
     def test_a_time_limit_that_is_none(self):
         for limit in ("x", "0", "-1", "inf", "1s"):
             self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env={"JULIAVDB_DEVICE_TIMEOUT": limit},
                          mentions=f"JULIAVDB_DEVICE_TIMEOUT is '{limit}'")
 
+    # Promise of gpu.md: "If a bit differs from the processor's, the device is not used"
     def test_one_whose_arithmetic_is_wrong(self):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("wrong:1"),
                      mentions="its 32-bit arithmetic has other bits")
 
+    # Promise: "If a bit differs from the processor's, the device is not used"
     def test_one_whose_field_is_wrong(self):
         """Its arithmetic passes: two results are read for that."""
         self.here("wrong:3", "has other bits than the processor at some of the points")
 
+    # Promise: "If a bit differs from the processor's, the device is not used"
     def test_one_without_denormal_numbers(self):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("denormals"),
                      mentions="it has no denormal numbers")
@@ -309,6 +328,7 @@ class FailingDevices(Devices):
         self.assertTrue(self.bytes("here.png") == self.bytes("there.png"), mode)
         return said
 
+    # Promise: "the processor goes on; the run says so"
     def test_one_that_is_lost_while_it_follows_rays(self):
         # Rays are followed and what is around their ends is evaluated, twice; each of these is one kernel.
         kernels = self.use(*self.PICTURE, "-o", "there.png")["deviceKernels"]
@@ -316,6 +336,7 @@ class FailingDevices(Devices):
             with self.subTest(number=number):
                 self.assertIn("The processor goes on; the result is the same.", self.picture(f"lost:{number}"))
 
+    # Promise: "the processor goes on; the run says so"
     def test_one_whose_rays_are_wrong(self):
         """What is read before the rays that try it is right: among the numbers of results, the last one that makes it fail there."""
         said = next(said for said in map(lambda number: self.ok(*self.PICTURE, "-o", "there.png", *ON, env=fake(f"wrong:{number}")),
@@ -332,6 +353,7 @@ class FailingDevices(Devices):
         # A ray has 48 bytes.
         self.assertTrue(0 < use["deviceMostRays"] <= 16384 // 48, use)
 
+    # Promise: "It also evaluates fields ..."
     def test_one_with_too_little_memory(self):
         self.here("small", "the field needs")
 
@@ -542,6 +564,7 @@ class Drivers(Devices):
         self.assertIn("Evaluates on device 0", self.ok("fractal", "t.obj", *LOW, "--mesh", "there.ply", *ON, env=env))
         self.assertTrue(self.bytes("here.ply") == self.bytes("there.ply"))
 
+    # Promise: "Vendors' drivers that the loader ..."
     def test_one_that_is_named(self):
         for loader in ({}, {"JULIAVDB_OPENCL": "/nonexistent"}):
             env = {**NO_PLATFORM, **loader, "JULIAVDB_OPENCL_DRIVER": str(self.driver)}
@@ -549,6 +572,8 @@ class Drivers(Devices):
             self.assertEqual(places, {str(self.driver): "1 platform"})
             self.evaluates(env)
 
+    # Promise of gpu.md: "Vendors' drivers that the loader has not opened are looked for by their names"; "that driver is used and
+    #   no other"
     def test_a_vendors_that_is_found_by_its_name(self):
         for name in ("libnvidia-opencl.so.1", "libamdocl64.so"):
             vendor = self.of_a_vendor(name)
@@ -561,6 +586,7 @@ class Drivers(Devices):
                     self.evaluates(env)
             self.path(f"usr/lib/here/{name}").unlink()
 
+    # Promise: "Vendors' drivers that the loader ..."
     def test_one_that_the_loader_knows_is_not_counted_twice(self):
         os.mkdir(self.path("vendors"))
         self.write("vendors/one.icd", "libnvidia-opencl.so.1\n")
@@ -569,6 +595,7 @@ class Drivers(Devices):
         self.assertEqual(places[str(self.path("vendors/one.icd"))], "it names libnvidia-opencl.so.1, which is open")
         self.assertEqual(places[str(self.path("usr/lib/here/libnvidia-opencl.so.1"))], "the loader has opened it")
 
+    # Promise: "Vendors' drivers that the loader ..."
     def test_a_named_file_that_is_no_driver(self):
         for file, mention in (("/nonexistent/driver.so", "/nonexistent/driver.so"), ("libm.so.6", "is no driver of OpenCL")):
             env = {"JULIAVDB_OPENCL_DRIVER": file}

@@ -16,6 +16,7 @@ PLANS = {
 
 class Estimates(harness.CliTest):
 
+    # Promise of design.md: `--estimate`: the truth lies in "the 95 % interval" nineteen times in twenty
     def test_what_is_made_lies_within_the_interval(self):
         for name, options in PLANS.items():
             with self.subTest(name):

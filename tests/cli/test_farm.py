@@ -30,6 +30,8 @@ class Tasks(farm.FarmTest):
     def record(self, task):
         return json.loads(self.bytes(f"{FARM}/tasks/{task:04}.json"))
 
+    # Promise of farm.md: Tasks "can run in any order, at any time, and more than once"
+    # Promise of farm.md: Which task `task` makes; "Beyond the last task it does nothing, and succeeds"
     def test_which_task_is_made(self):
         self.plan()
         self.ok("task", FARM, "--index", 2)
@@ -51,6 +53,8 @@ class Tasks(farm.FarmTest):
         self.refused(USAGE, "task", FARM, env={"SLURM_ARRAY_TASK_ID": "many"}, mentions="SLURM_ARRAY_TASK_ID")
         self.refused(USAGE, "task", FARM, env={"PARALLEL_SEQ": "-1"}, mentions="PARALLEL_SEQ")
 
+    # Promise of farm.md: "`--json` prints the same for other programs"; "With `--exit-code` the command ends with 0 if all tasks
+    #   are done"
     def test_status_for_other_programs(self):
         self.plan()
 
@@ -83,12 +87,17 @@ class Tasks(farm.FarmTest):
         self.assertEqual(status(DONE, "--exit-code")["done"], TILES)
         self.refused(USAGE, "status", FARM, "--json", "--missing", mentions="--json and --missing")
 
+    # Promise: Tasks "can run in any order, at any ..."
+    # Promise of farm.md#what-is-in-the-folder: "a task that is done is left as it is", and one "is done if its record fits the
+    #   plan, and the files fit the record"
     def test_a_task_that_is_done_is_left_alone(self):
         self.plan(done=True)
         before = {path: path.stat().st_mtime_ns for path in self.path(FARM).rglob("*")}
         self.assertIn("already", self.ok("task", FARM, "--index", 3))
         self.assertEqual({path: path.stat().st_mtime_ns for path in self.path(FARM).rglob("*")}, before)
 
+    # Promise: "a task that is done is left ..."
+    # Promise: "`--threads N` (or the variables ..."
     def test_what_a_side_car_records(self):
         self.plan()
         self.ok("task", FARM, "--index", 1, env={"SLURM_CPUS_PER_TASK": "1"})
@@ -105,6 +114,7 @@ class Tasks(farm.FarmTest):
             data = self.bytes(f"{FARM}/{file['name']}")
             self.assertEqual(len(data), file["bytes"])
 
+    # Promise: "a task that is done is left ..."
     def test_a_damaged_result_is_a_failed_task(self):
         self.plan(done=True)
         name = self.record(4)["files"][0]["name"]
@@ -117,6 +127,8 @@ class Tasks(farm.FarmTest):
         self.ok("task", FARM, "--index", 4)
         self.check_done()
 
+    # Promise of farm.md: "`task` and `merge` always compare the SHA-256"
+    # Promise of farm.md: "`status` compares sizes and times, and with `--verify` the SHA-256 of everything"
     def test_a_change_that_keeps_size_and_time_is_seen_by_verify(self):
         self.plan(done=True)
         path = self.path(FARM) / self.record(4)["files"][0]["name"]
@@ -129,6 +141,8 @@ class Tasks(farm.FarmTest):
         self.assertIn("is done", self.ok("task", FARM, "--index", 4))
         self.check_done()
 
+    # Promise: "A process that dies can ..."
+    # Promise: Tasks "can run in any order, at any ..."
     def test_several_at_the_same_task_give_one_result(self):
         self.plan()
         processes = [self.start("task", FARM, "--range", f"1-{TILES}", "--threads", 1) for _ in range(4)]
@@ -137,6 +151,10 @@ class Tasks(farm.FarmTest):
             self.assertEqual(process.returncode, DONE, said)
         self.check_done()
 
+    # Promise: "`status` compares sizes and times, and with `--verify` ..."
+    # Promise of farm.md: `status` counts "triangles, or evaluated nodes where the plan makes no mesh"
+    # Promise of farm.md: "`--missing` prints the numbers of the tasks that are neither done nor running", and the same `submit`
+    #   again submits "only those"
     def test_status_tells_what_is_to_come(self):
         self.plan()
         self.assertEqual(self.states(), (0, 0, 0, TILES))
@@ -165,18 +183,21 @@ class Failures(farm.FarmTest):
                 self.refused(NO_INPUT, command[0], folder, *command[1:], mentions="manifest.json")
             self.refused(USAGE, *command)
 
+    # Promise of farm.md: A changed plan, "Only this version runs its tasks", and another input are refused
     def test_a_manifest_edited_by_hand(self):
         self.plan()
         self.change("manifest.json", lambda text: text.replace(b'"alpha": "20"', b'"alpha": "21"'))
         for command in (("task", FARM, "--index", 1), ("status", FARM), ("submit", FARM, "--engine", "slurm")):
             self.refused(BAD_DATA, *command, mentions=("manifest.json", "changed"))
 
+    # Promise: A changed plan, "Only this ..."
     def test_a_manifest_of_another_version(self):
         self.plan()
         own = self.ok("--version", data=True).split()[1]
         self.change("manifest.json", lambda text: text.replace(f'"{own}"'.encode(), b'"0.0.7"', 1))
         self.refused(BAD_DATA, "task", FARM, "--index", 1, mentions=("0.0.7", own))
 
+    # Promise: A changed plan, "Only this ..."
     def test_another_input(self):
         self.plan()
         inputs = json.loads(self.bytes(f"{FARM}/manifest.json"))["inputs"]
@@ -241,6 +262,7 @@ class Requests(farm.FarmTest):
         return [("merge", FARM, *words)] + [("submit", FARM, "--engine", engine, *more, *words)
                                             for engine in ("parallel", "slurm") for more in ((), ("--dry-run",))]
 
+    # Promise of farm.md: "What a merge cannot make is refused before the first task is made, by `submit` as by `merge`"
     def test_a_merge_that_cannot_be_made_is_refused_at_once(self):
         self.plan()
         self.path("folder.ply").mkdir()
@@ -260,6 +282,7 @@ class Requests(farm.FarmTest):
                 self.refused(code, *command, mentions=mentions)
         self.assertEqual(self.states(), (0, 0, 0, TILES))
 
+    # Promise: "What a merge cannot make ..."
     def test_what_the_tasks_do_not_make_is_named_with_the_way_to_it(self):
         for makes, words, wanted in (("ply", ("-o", "x.vdb"), "--make ply,vdb"),
                                      ("vdb", ("--mesh", "x.ply"), "--make vdb,ply")):
@@ -267,6 +290,8 @@ class Requests(farm.FarmTest):
             self.refused(USAGE, "merge", makes, *words, mentions=wanted)
             self.refused(USAGE, "submit", makes, "--engine", "parallel", *words, mentions=wanted)
 
+    # Promise of farm.md: With `--make count`, "The numbers are those of the mesh that one run makes, and a tile's SHA-256 is that
+    #   of the file that a plan with `--make ply` keeps"
     def test_a_count_is_that_of_the_mesh(self):
         self.ok("plan", "tiles", harness.BUNNY, "-o", FARM, "--tiles", TILES, "--make", "count", *farm.OPTIONS)
         self.refused(BAD_DATA, "merge", FARM, "--counts", "c.json", mentions="not done")
@@ -295,12 +320,15 @@ class Requests(farm.FarmTest):
         self.refused(USAGE, "plan", "frames", "s.obj", "--frames", "1-2", "--key", "alpha@1=20", "-o", "f", "--make",
                      "count", mentions="count")
 
+    # Promise: `status` counts "triangles, or evaluated ..."
     def test_a_plan_without_a_merge(self):
         self.write("s.obj", harness.obj(harness.sphere(1)))
         self.ok("plan", "frames", "s.obj", "--frames", "1-2", "--key", "alpha@1=20", "-o", FARM)
         for engine in ("parallel", "slurm"):
             self.refused(USAGE, "submit", FARM, "--engine", engine, "-o", "x.vdb", mentions="only a plan of tiles")
 
+    # Promise of farm.md: "`--memory`, `--instructions`, `--trust-importer` and `--progress` are those of each task and of the
+    #   merge"
     def test_common_options_reach_every_task_and_the_merge(self):
         self.plan()
         common = "--instructions portable --memory 3G --trust-importer --progress none"
@@ -318,6 +346,7 @@ class Requests(farm.FarmTest):
 class HostilePlans(farm.FarmTest):
     """tests/farm/hostile_plan_test.cpp goes through every value."""
 
+    # Promise: "If somebody changes a plan ..."
     def test_what_is_left_out_is_bad_data(self):
         self.plan()
         manifest = json.loads(self.bytes(f"{FARM}/manifest.json"))
@@ -338,6 +367,7 @@ class HostilePlans(farm.FarmTest):
 
 class Kills(farm.FarmTest):
 
+    # Promise of farm.md: "A process that dies can be started again, and only the task that it was making is lost"
     def test_killed_a_hundred_times(self):
         seed = int(os.environ.get("JULIAVDB_SEED") or random.randrange(1 << 32))
         print(f"seed {seed}: JULIAVDB_SEED repeats it", file=sys.stderr)
@@ -440,6 +470,7 @@ class Script(farm.FarmTest):
     def submit(self, template, *words, env=None):
         return self.run_program("submit", FARM, "--engine", "script", "--template", template, *words, env=env)
 
+    # Promise of farm.md#with-any-other-engine-by-a-template: The three templates make what is missing, and merge it
     def test_the_shipped_templates_make_what_is_missing_and_merge_it(self):
         env = self.engines()
         for name in ("opencue.py", "deadline.sh", "tractor.py"):
@@ -457,6 +488,8 @@ class Script(farm.FarmTest):
                 self.assertNotIn(b"--index", run.stdout)
                 self.assertNotIn(b"--range", run.stdout)
 
+    # Promise of farm.md: "Words are quoted as each farm takes them apart"; Deadline "cannot pass on a path with a double quote in
+    #   it"
     def test_the_shipped_templates_take_folders_with_blanks_and_accents(self):
         env = self.engines()
         folder = "shot 010 äé/my plan's"
@@ -471,6 +504,7 @@ class Script(farm.FarmTest):
                 self.assertEqual(run.returncode, DONE, run.stdout + run.stderr)
                 self.check_merged("shot 010 äé/m $1.vdb", "shot 010 äé/m $1.ply")
 
+    # Promise: "Words are quoted as each ..."
     def test_deadline_is_not_given_what_it_cannot_pass_on(self):
         env = self.engines()
         shutil.copytree(self.model / FARM, self.path('a "farm"'))
@@ -478,6 +512,7 @@ class Script(farm.FarmTest):
         self.assertNotEqual(run.returncode, DONE)
         self.assertIn(b"double quote", run.stdout + run.stderr)
 
+    # Promise: The three templates make ...
     def test_dry_runs_are_scripts(self):
         """Read by the parsers of their own languages; nothing is written."""
         self.plan()
@@ -514,6 +549,8 @@ class Script(farm.FarmTest):
         self.assertIn(b"code 3", run.stderr)
         self.assertEqual(self.submit("t.sh", "--", "x").returncode, USAGE)
 
+    # Promise of farm.md: "Unknown fields, missing fields and blocks without an end are refused with the line, before anything is
+    #   written"
     def test_templates_that_cannot_be_used(self):
         """Refused with the line, before anything is written."""
         self.plan()
@@ -548,6 +585,10 @@ class Parallel(farm.FarmTest):
     def submit(self, *words):
         return self.start("submit", FARM, "--engine", "parallel", "--jobs", 2, "-o", "m.vdb", "--mesh", "m.ply", *words)
 
+    # Promise of farm.md: What is merged "has the same bytes as that of one long run", for any cut
+    # Promise of farm.md: "If a task fails, is killed or is interrupted, there is no merge, and the same `submit` goes on from
+    #   there"
+    # Promise: "`--missing` prints the numbers ..."
     def test_from_a_plan_to_the_merged_result(self):
         self.plan()
         process = self.submit()
@@ -564,6 +605,7 @@ class Parallel(farm.FarmTest):
         log = self.path(f"{FARM}/logs/joblog").read_text().splitlines()
         self.assertEqual(len(log), TILES + 1, "each task once, and the killed one twice")
 
+    # Promise: Tasks "can run in any order, at any ..."
     def test_a_process_makes_several_tasks(self):
         self.plan()
         self.assertEqual(self.ok("status", FARM, "--missing", "--batch", 7, data=True).split(), ["1-7", "8-14", "15-16"])
@@ -579,6 +621,8 @@ class Parallel(farm.FarmTest):
         for words in (("--missing", "--batch", 0), ("--batch", 2), ("--missing", "--lines", "--batch", 2)):
             self.refused(USAGE, "status", FARM, *words)
 
+    # Promise: "A process that dies can ..."
+    # Promise: "Its exit code is one of the program's ..."
     def test_stopped_and_resumed(self):
         self.plan()
         process = self.submit()
@@ -610,6 +654,8 @@ class Parallel(farm.FarmTest):
         for mention in ("juliavdb: ", "the same command", *mentions):
             self.assertIn(mention, last, text)
 
+    # Promise of farm.md: "Its exit code is one of the program's own": the table, and a last line that "says which tasks are not
+    #   done, and why"
     def test_failed_tasks_give_their_code(self):
         self.plan()
         name = next(entry["path"] for entry in json.loads(self.bytes(f"{FARM}/manifest.json"))["inputs"]
@@ -622,6 +668,7 @@ class Parallel(farm.FarmTest):
         # They say nothing of a later submission, of which no task begins.
         self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
 
+    # Promise: "Its exit code is one of the program's ..."
     def test_a_full_disk(self):
         self.plan()
 
@@ -630,6 +677,7 @@ class Parallel(farm.FarmTest):
 
         self.ended(IO_ERROR, "not done", preexec=small_files)
 
+    # Promise: "Its exit code is one of the program's ..."
     def test_the_gravest_of_several_codes(self):
         self.plan()
         for task in (2, 5):  # a folder stands where a file is to be
@@ -646,6 +694,7 @@ class Parallel(farm.FarmTest):
 
         self.ended(CANNOT_CREATE, "not done", preexec=small_files)
 
+    # Promise: "Its exit code is one of the program's ..."
     def test_killed_tasks_are_worth_another_try(self):
         self.plan()
         process = self.submit()
@@ -654,11 +703,13 @@ class Parallel(farm.FarmTest):
         self.assertEqual(process.returncode, INTERRUPTED, said)
         self.assertIn(f"task {killed} of {TILES} is not done; the same command", said.decode().splitlines()[-1])
 
+    # Promise: "Its exit code is one of the program's ..."
     def test_what_parallel_refuses(self):
         self.plan()
         self.ended(USAGE, "parallel failed", "words behind --", words=("--", "--no-such-option"))
         self.assertEqual(self.states(), (0, 0, 0, TILES))
 
+    # Promise: "Its exit code is one of the program's ..."
     def test_a_merge_that_fails(self):
         self.plan(done=True)
         shutil.rmtree(self.path(f"{FARM}/logs"), ignore_errors=True)
@@ -669,6 +720,7 @@ class Parallel(farm.FarmTest):
         self.ended(IO_ERROR, "all tasks are done", "merge", preexec=small_files, words=("-o", "m.vdb"))
         self.assertFalse(self.path("m.vdb").exists())
 
+    # Promise: "Its exit code is one of the program's ..."
     def test_tasks_that_others_are_at(self):
         self.plan(done=True)
         self.path(f"{FARM}/tasks/0003.json").unlink()
@@ -678,6 +730,8 @@ class Parallel(farm.FarmTest):
             fcntl.flock(held, fcntl.LOCK_EX)
             self.ended(INTERRUPTED, f"task 3 of {TILES}", "made by others", words=("-o", "m.vdb"))
 
+    # Promise of progress.md: "the events of the tasks and of the merge come on the same stderr, each with its own `command`,
+    #   between the `start` and the `end` of `submit`"
     def test_progress_of_tasks_stands_within_that_of_the_submission(self):
         self.plan()
         run = self.run_program("submit", FARM, "--engine", "parallel", "--jobs", 2, "--mesh", "m.ply", "--progress", "json")
@@ -687,11 +741,13 @@ class Parallel(farm.FarmTest):
         self.assertEqual(sorted(ends[1:-1]),
                          [("merge", "end"), ("merge", "start")] + [("task", "end")] * TILES + [("task", "start")] * TILES)
 
+    # Promise: "If a task fails, is killed ..."
     def test_nothing_is_left_to_submit(self):
         self.plan(done=True)
         self.assertIn("nothing to submit", self.ok("submit", FARM, "--engine", "parallel"))
         self.assertFalse(self.path(f"{FARM}/logs").exists())
 
+    # Promise: "one band for all tasks of a mesh, made ..."
     def test_nothing_is_left_of_what_no_task_needs(self):
         """Also where a process that was killed has left it behind the last task."""
         self.ok("plan", "frames", harness.BUNNY, "-o", "frames", "--frames", "1-2", "--key", "alpha@1=20", "--key",
@@ -706,6 +762,7 @@ class Parallel(farm.FarmTest):
         self.assertIn("nothing to submit", self.ok("submit", "frames", "--engine", "parallel"))
         self.assertFalse(self.path("frames/targets").exists())
 
+    # Promise: "If a task fails, is killed ..."
     def test_a_dry_run_changes_nothing(self):
         self.plan()
         before = self.listing()

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Promise: Ctrl-C and SIGTERM end with 75 ...
 """A task of a plan that is told to stop: gone soon, and missing."""
 
 import signal
@@ -11,6 +12,7 @@ from harness import INTERRUPTED
 
 class Signals(farm.FarmTest):
 
+    # Promise: "A process that dies can ..."
     def test_a_stopped_task_is_missing(self):
         self.ok("plan", "tiles", harness.BUNNY, "-o", "large", "--tiles", 2, "--resolution", 500, "--alpha", 30,
                 "--sdf-resolution", 60)

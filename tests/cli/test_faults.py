@@ -207,16 +207,20 @@ class FaultTest(unittest.TestCase):
 
     # ------------------------------------------------------------------------------------------------ calls that fail
 
+    # Promise of reliability.md: Files are never half written: "Outputs are whole, or they are not there, or they are what they
+    #   were before"
     def test_writing(self):
         self.sweep("write", [errno.ENOSPC, errno.EIO] if self.step else [errno.ENOSPC], {IO_ERROR},
                    names=self.sampled("fractal", "sheet", "plan tiles", "task", "print", "points as VDB"))
 
+    # Promise: Files are never half written: "Outputs ..."
     def test_flushing(self):
         self.sweep("fsync", [errno.EIO], {IO_ERROR}, most=2,
                    names=self.sampled("fractal", "sequence", "fit", "merge"))
         if not self.step:
             self.sweep("fsync", [errno.EIO], {IO_ERROR}, most=4, names=("task",))
 
+    # Promise: Files are never half written: "Outputs ..."
     def test_renaming(self):
         self.sweep("rename", [errno.EIO], {IO_ERROR}, most=2, names=self.sampled("fractal", "fit", "task", "study"))
 
@@ -256,13 +260,17 @@ class FaultTest(unittest.TestCase):
                 self.check(name, whole, run, before, after, {INTERNAL})
                 self.assertIn(f"juliavdb: internal error: {text}", run.stderr.decode())
 
+    # Promise: "No temporary file stays behind"
     def test_exceptions_that_nobody_catches(self):
         self.sudden("throw:{}:0", "thrown by the shim\n")
 
+    # Promise of reliability.md: "No temporary file stays behind"
+    # Promise of reliability.md: "A crash, of the program or of a library, ends with 70 and one line that names the signal"
     def test_crashes(self):
         for number, text in ((signal.SIGSEGV, "Segmentation fault"), (signal.SIGABRT, "Aborted")):
             self.sudden(f"crash:{{}}:{number:d}", f"the program crashed ({text}); ")
 
+    # Promise of reliability.md: "What an interruption reports is true; when every file is in place, the code is 0"
     def test_an_interruption_while_a_file_is_flushed(self):
         """Once all files are in their places there is nothing left to interrupt; before, what is told is true."""
         for name in sorted(self.sampled("fractal", "man", "merge", "plan tiles", "sequence", "task")):
@@ -290,21 +298,27 @@ class FaultTest(unittest.TestCase):
                 self.fresh()
                 self.check(name, fault, self.run_in(COMMANDS[name], fault), before, after, {DONE})
 
+    # Promise of reliability.md: Interrupted calls, short writes, a clock that jumps, closed streams and 10 000 open files "change
+    #   nothing"
     def test_interrupted_calls(self):
         again = [f"{kind}:*:{errno.EINTR}" for kind in ("open", "create", "read", "write", "fsync", "close")]
         self.unnoticed(again, self.sampled("fractal of a picture", "fractal of a recipe", "merge"))
 
+    # Promise: Interrupted calls, short writes, a clock ...
     def test_short_writes(self):
         self.unnoticed(["short:*:0"], self.sampled("fractal as STL", "points"))
 
+    # Promise: Interrupted calls, short writes, a clock ...
     def test_clock_jumps(self):
         self.unnoticed(["clock:*:0"], self.sampled("fractal", "task", "sequence"))
 
+    # Promise: Interrupted calls, short writes, a clock ...
     def test_no_random_numbers(self):
         self.unnoticed([f"random:1+:{errno.ENOSYS}"], self.sampled("sdf"))
 
     # --------------------------------------------------------------------------------------------------- a full disk
 
+    # Promise: Files are never half written: "Outputs ..."
     def test_a_disk_that_fills_up(self):
         for name in self.sampled("fractal", "fit", "man", "merge", "render"):
             before, after, _ = self.model(name)
@@ -315,6 +329,7 @@ class FaultTest(unittest.TestCase):
                 self.fresh()
                 self.check(name, fault, self.run_in(COMMANDS[name], fault), before, after, {IO_ERROR})
 
+    # Promise: Files are never half written: "Outputs ..."
     def test_an_old_file_stays(self):
         before = self.fresh(old=["x.vdb", "x.ply"])
         for fault in (f"write:1:{errno.ENOSPC}", f"fsync:2:{errno.EIO}", f"rename:1+:{errno.EIO}"):
@@ -322,6 +337,7 @@ class FaultTest(unittest.TestCase):
 
     # ------------------------------------------------------------------------------------------- how it was started
 
+    # Promise: "A reader that closes the pipe ..."
     def test_no_reader(self):
         """Data on stdout is an output like any other."""
         self.fresh()
@@ -341,6 +357,7 @@ class FaultTest(unittest.TestCase):
                 os.close(writer)
                 self.assertEqual(run.returncode, IO_ERROR, run.stderr.decode())
 
+    # Promise: Interrupted calls, short writes, a clock ...
     def test_closed_descriptors(self):
         """Neither input, nor output, nor errors, which a file must not take the place of."""
         for name in self.sampled("fractal", "render", "task"):
@@ -365,6 +382,7 @@ class FaultTest(unittest.TestCase):
         return self.run_in(COMMANDS[name],
                            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (most, most)))
 
+    # Promise: Interrupted calls, short writes, a clock ...
     def test_many_descriptors(self):
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
         count = min(hard, 11000) - 100

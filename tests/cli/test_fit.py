@@ -128,6 +128,7 @@ class Fit(FitTest):
         self.ok("fit", "sdf.vdb", "-o", "v.json", *LOW, *ROOTS, "--plot", "v.svg")
         self.assertIn(b"<svg ", self.bytes("v.svg")[:100])
 
+    # Promise of fitting.md: "The same seed gives the same bytes" of a fit
     def test_same_bytes(self):
         results = set()
         for options in ((), ("--threads", 1), *(("--instructions", s) for s in self.instruction_sets())):
@@ -135,6 +136,7 @@ class Fit(FitTest):
             results.add(self.bytes("again.json"))
         self.assertEqual(len(results), 1)
 
+    # Promise: "The same seed gives the same ..."
     def test_same_bytes_of_a_schedule(self):
         results = set()
         for options in (("--threads", 1), ("--threads", 2), *(("--instructions", s) for s in self.instruction_sets())):
@@ -162,6 +164,7 @@ class Fractals(FitTest):
         self.ok(*FRACTAL, map_file, "--mesh", "f.ply", *size, *options)
         return harness.read_ply(self.bytes("f.ply"))
 
+    # Promise of fitting.md: A fitted map "lies where the mesh was", without the mesh
     def test_has_the_meshs_place_and_size(self):
         volume = 4 * math.pi / 3 * 0.7 * 0.5 * FACTOR**3
         for iterations in (1, 4):
@@ -226,6 +229,7 @@ class Fractals(FitTest):
             self.assertTrue(self.bytes("again.vdb") == self.bytes("f.vdb"), config)
             self.assertTrue(self.bytes("again.ply") == self.bytes("f.ply"), config)
 
+    # Promise: A fitted map "lies where ..."
     def test_the_vdb_holds_its_map(self):
         """--rational reads it from there, with the target: the JSON may be gone."""
         self.ok(*FRACTAL, "shape.json", "-o", "f.vdb", "--mesh", "f.ply", "--resolution", 24)
@@ -233,6 +237,7 @@ class Fractals(FitTest):
         self.ok(*FRACTAL, "f.vdb", "--mesh", "again.ply", "--resolution", 24)
         self.assertEqual(harness.read_ply(self.bytes("again.ply")).points, harness.read_ply(self.bytes("f.ply")).points)
 
+    # Promise: A fitted map "lies where ..."
     def test_another_map_is_refused_unless_named(self):
         self.ok(*FRACTAL, "shape.json", "-o", "f.vdb", "--resolution", 24)
         # The same roots, of no target: in fractal space.
@@ -248,6 +253,7 @@ class Fractals(FitTest):
         self.write("shape.json", self.bytes("bare.json"))
         self.refused(BAD_DATA, "fractal", "--config", "f.vdb", "-o", "x.vdb", mentions=["shape.json", "SHA-256"])
 
+    # Promise: Files of the released programs ...
     def test_o3d(self):
         self.write("m.obj", harness.obj(pebble()))
         self.ok("fit", "m.obj", "-o", "shape.o3d", *LOW, *ROOTS)

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Promise: Ctrl-C and SIGTERM end with 75 ...
 """Ctrl-C and SIGTERM in each phase of fit."""
 
 import signal

@@ -66,6 +66,8 @@ class Fonts(harness.CliTest):
         self.machines_ = self.machines()
         self.write("s.obj", harness.obj(harness.sphere(2)))
 
+    # Promise of design.md: "Text in pictures is set in DejaVu Sans, which is a part of the library", whatever fonts are
+    #   installed; "A character that the font lacks is drawn as a box"
     def test_plots_and_sheets(self):
         for kind in ("svg", "png"):
             curve = f"c.{kind}"
@@ -73,6 +75,7 @@ class Fonts(harness.CliTest):
         self.same(["s.png"], "sheet", "s.obj", "-o", "s.png", "--vary", "detail=0.1,0.3", "--size", "16x16", "--samples", 1,
                   "--sdf-resolution", 16)
 
+    # Promise: "Text in pictures is set ..."
     def test_no_font_is_opened(self):
         """With no fonts at all a plot has letters."""
         self.ok("study", "s.obj", "-o", "a.png", "--curve", "c.svg", "--versors", 2, *LOW, env=self.machines_["no fonts"])

@@ -46,6 +46,7 @@ class Frequency(harness.CliTest):
         self.ok("fractal", "t.obj", *low, *options, "--mesh", "x.ply")
         return harness.read_ply(self.bytes("x.ply"))
 
+    # Promise of textures.md: Textures of waves: "their detail is as fine at each place as the target is thin there"
     def test_a_small_part_has_detail_of_its_own(self):
         """The small ball is 20 voxels wide, and a feature about 6; of rings about the origin of the large one, it has none."""
         fine = ("--resolution", 240, "--sdf-resolution", 240)
@@ -55,6 +56,7 @@ class Frequency(harness.CliTest):
             with self.subTest(versor=versor):
                 self.assertGreater(small(versor), max(0.2, 3 * rings))
 
+    # Promise: Versors of waves are those ...
     def test_the_same_in_all_ways(self):
         for options in ((), ("--texture", "quills", "--frequency", "fine"), ("--texture", "coral", "--frequency", "x:1:3"),
                         ("--texture", "thorns", "--frequency", "expr:1 + hx", "--slice", 0.1, "--drop-axis", "i")):
@@ -67,6 +69,8 @@ class Frequency(harness.CliTest):
                 self.assertTrue(mesh.points == harness.read_ply(self.bytes("tiles.ply")).points)
                 shutil.rmtree(self.path("plan"))
 
+    # Promise of textures.md: `--frequency`: words, numbers, controls; "A frequency so high that no feature is as wide as two
+    #   voxels anywhere is refused"; textures of roots "take no frequency"
     def test_words_and_numbers(self):
         for word, number in (("coarse", 1), ("medium", 2), ("fine", 4)):
             self.assertTrue(self.points("--frequency", word).points == self.points("--frequency", number).points, word)
@@ -80,6 +84,7 @@ class Frequency(harness.CliTest):
         self.assertGreater(abs(len(fine.faces) - len(mesh.faces)), 0.02 * len(mesh.faces))
         self.assertFalse(self.points("--texture-translate", "0.1,0,0").points == default)
 
+    # Promise: `--frequency`: words, numbers, controls; "A frequency ..."
     def test_a_recipe_holds_it(self):
         self.ok("fractal", "t.obj", *LOW, "--frequency", "x:1:3", "-o", "one.vdb")
         self.ok("fractal", "--config", "one.vdb", "-o", "two.vdb")
@@ -87,6 +92,7 @@ class Frequency(harness.CliTest):
         self.ok("fractal", "--config", "one.vdb", "--texture", "rings", "-o", "three.vdb")
         self.ok("fractal", "--config", "one.vdb", "--texture-seed", 3, "-o", "four.vdb")
 
+    # Promise: `--frequency`: words, numbers, controls; "A frequency ..."
     def test_bad_ones(self):
         for value in ("0", "-2", "nan", "inf", "middling", "1000000"):
             with self.subTest(frequency=value):

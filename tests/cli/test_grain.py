@@ -105,12 +105,14 @@ class Grain(harness.TextureTest):
 
     # Where it comes from.
 
+    # Promise of textures.md#along-the-form: A grain: its table, `--grain-turn`, and that vectors may be missing in places
     def test_along_and_around(self):
         self.assertGreater(self.line_share(along_ring, "t.obj", "--grain", "along"), 0.95)
         self.assertLess(self.line_share(along_ring, "t.obj", "--grain", "around"), 0.05)
         self.assertGreater(self.line_share(along_ring, "t.obj", "--grain", "around", "--grain-turn", 90), 0.95)
         self.assertGreater(self.line_share(along_ring, "t.obj", "--grain", "curvature"), 0.85)
 
+    # Promise: A grain: its table, `--grain-turn`, and that vectors ...
     def test_vectors_of_the_mesh(self):
         parts = {f"comb_{axis}": (lambda p, k=k: 3 * along_ring(p)[k]) for k, axis in enumerate("xyz")}
         self.write("painted.ply", attributed(torus(), parts))
@@ -120,12 +122,14 @@ class Grain(harness.TextureTest):
         self.write("half.ply", attributed(torus(), parts))
         self.assertGreater(self.share(along_ring, "half.ply", "--grain", "paint:c"), 0.8)
 
+    # Promise: A grain: its table, `--grain-turn`, and that vectors ...
     def test_texture_coordinates(self):
         self.write("uv.obj", unwrapped(torus()))
         self.assertGreater(self.share(along_ring, "uv.obj", "--grain", "uv:v"), 0.9)
         # u is the height: where the surface is level it says nothing.
         self.assertLess(self.line_share(along_ring, "uv.obj", "--grain", "uv:u"), 0.15)
 
+    # Promise: A grain: its table, `--grain-turn`, and that vectors ...
     def test_a_grid_of_vectors(self):
         grid = pyopenvdb.Vec3SGrid()
         grid.name = "v"
@@ -140,6 +144,8 @@ class Grain(harness.TextureTest):
         for field in ("field:f.vdb", "field:f.vdb:v"):
             self.assertGreater(self.share(along_ring, "t.obj", "--grain", field), 0.95)
 
+    # Promise of study.md: `study --strokes`: "a small triangle at each of some thousand places", "red marks at the points about
+    #   which the direction turns"
     def test_strokes(self):
         said = self.ok("study", "t.obj", "--strokes", "s.ply", "--grain", "along")
         self.assertIn("singular point", said)
@@ -151,11 +157,14 @@ class Grain(harness.TextureTest):
 
     # The laws of every fractal.
 
+    # Promise of design.md#5-determinism: A fractal with a grain is the same skipped or not, tiled or not, with any threads, on
+    #   any device and from its recipe
     def test_the_same_in_all_ways(self):
         for options in self.FAMILIES:
             with self.subTest(options=options):
                 self.assert_the_same_in_all_ways(*options)
 
+    # Promise: A fractal with a grain is the same ...
     def test_a_recipe_holds_it(self):
         for options in self.FAMILIES:
             with self.subTest(options=options):
@@ -163,6 +172,7 @@ class Grain(harness.TextureTest):
                 self.ok("fractal", "--config", "one.vdb", "-o", "two.vdb")
                 self.assertEqual(self.bytes("one.vdb"), self.bytes("two.vdb"))
 
+    # Promise: A grain: its table, `--grain-turn`, and that vectors ...
     def test_every_texture_follows_it(self):
         plain = self.points("--texture", "scales")
         seen = [plain]
@@ -177,6 +187,7 @@ class Grain(harness.TextureTest):
     def test_none_is_what_it_was(self):
         self.assertEqual(self.points("--grain", "none"), self.points())
 
+    # Promise: A fractal with a grain is the same ...
     def test_sequences_sheets_and_pictures(self):
         self.ok("fractal", "t.obj", *LOW, "--grain", "along", "--frames", "1-2", "--key", "grain-turn@1=0", "--key",
                 "grain-turn@2=90", "--mesh", "g.####.ply")
@@ -193,6 +204,7 @@ class Grain(harness.TextureTest):
         other = harness.read_ply(self.bytes("moved.ply")).points
         self.assertLess(abs(len(one) - len(other)), 0.02 * len(one))
 
+    # Promise: A fractal with a grain is the same ...
     def test_all_kinds_of_targets(self):
         points, faces = harness.sphere(2)
         far = [tuple(x + 3 for x in p) for p in points]
@@ -217,6 +229,7 @@ class Grain(harness.TextureTest):
         with self.subTest(options=options):
             self.refused(code, "fractal", target, *LOW, *options, "-o", "x.vdb", mentions=mentions)
 
+    # Promise: A grain: its table, `--grain-turn`, and that vectors ...
     def test_bad_grains(self):
         for value in ("", "allong", "1,2", "0,0,0", "1,2,x", "uv:w", "paint:", "field:", "field:f.obj", "nan,0,0"):
             self.bad(USAGE, ("--grain", value), "--grain", value)

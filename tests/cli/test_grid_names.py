@@ -39,6 +39,7 @@ class GridNames(harness.CliTest):
         values = lambda grid: [(item.min, item.value) for item in grid.citerOnValues()]
         self.assertEqual(values(a), values(b))
 
+    # Promise of handoff.md#grid-names: The table of grid names; single names
     def test_each_program_has_its_names(self):
         self.ok("fractal", "t.obj", *LOW, *ALL, "-o", "plain.vdb")
         self.assertEqual(self.names("plain.vdb"), sorted(["surface", "density", "Cd", "trap"]))
@@ -76,6 +77,7 @@ class GridNames(harness.CliTest):
         self.ok("convert", "mixed.vdb", "-o", "kept.vdb", "--grid-names", "houdini")
         self.assertEqual(self.names("kept.vdb"), sorted(["surface", "density", "Cd", "color"]), "Cd is there already")
 
+    # Promise: The table of grid names; single names
     def test_single_names(self):
         self.ok("fractal", "t.obj", *LOW, *ALL, "-o", "f.vdb", "--grid-names", "blender,trap=temperature,surface=shape")
         self.assertEqual(self.names("f.vdb"), ["color", "density", "shape", "temperature"])
@@ -85,6 +87,8 @@ class GridNames(harness.CliTest):
         self.ok("fractal", "t.obj", *LOW, *ALL, "-o", "g.vdb", "--grid-names", "density=trap,trap=density")
         self.same_voxels("f.vdb", "density", "g.vdb", "trap")
 
+    # Promise of handoff.md: "Our own commands find the distance by the metadata `julia_distance_grid`, whatever its name";
+    #   `convert` "keeps its recipe and everything else"
     def test_our_readers_find_the_distances_by_their_new_name(self):
         """Among several grids of floats, of which none has a name that they look for."""
         new = ("--grid-names", "surface=shape,density=fog")
@@ -105,6 +109,7 @@ class GridNames(harness.CliTest):
         self.ok("usd", "new.vdb", "-o", "new.usda")
         self.assertIn(b'token fieldName = "shape"', self.bytes("new.usda"))
 
+    # Promise: "Our own commands find the distance ..."
     def test_a_renamed_sdf_is_the_same_target(self):
         """The box of its mesh is recorded, which is more exact than that of its nodes."""
         self.ok("sdf", "t.obj", "--resolution", 24, "-o", "phi.vdb")
@@ -117,6 +122,9 @@ class GridNames(harness.CliTest):
         self.assertEqual(meshes[0], meshes[1])
         self.assertEqual(meshes[0], meshes[2])
 
+    # Promise of handoff.md: "`merge` and sequences use them too"; "If two grids would have the same name, the program refuses
+    #   before the work starts"
+    # Promise of unreal.md: The frames of one `--frames` "have the same grids", numbered without gaps in one folder
     def test_tiles_and_frames(self):
         words = ("t.obj", *LOW, *ALL[2:], "--grid-names", "blender,surface=shape")
         self.ok("plan", "tiles", *words, "-o", "farm", "--tiles", 2)
@@ -130,6 +138,7 @@ class GridNames(harness.CliTest):
         self.ok("fractal", *words, "-o", "g.####.vdb", "--frames", "1-2", "--key", "detail@1=0.2", "--key", "detail@2=0.3")
         self.assertEqual(self.names("g.0002.vdb"), ["color", "shape", "trap"])
 
+    # Promise: The table of grid names; single names
     @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("nanovdb_print"), "libopenvdb-tools or libnanovdb-tools is not here")
     def test_as_other_tools_read_them(self):
         tool = lambda *words: subprocess.run(words, cwd=self.folder, capture_output=True, text=True, check=True).stdout
@@ -142,6 +151,7 @@ class GridNames(harness.CliTest):
         for file in ("f.nvdb", "c.nvdb", "s.nvdb"):
             self.assertIn("shape", tool("nanovdb_print", file))
 
+    # Promise: "`merge` and sequences use ..."
     def test_what_is_refused_before_the_work(self):
         self.write("bad.obj", "f 1 2 3\n")
         run = ("fractal", "bad.obj", *LOW, *ALL, "-o", "x.vdb", "--grid-names")

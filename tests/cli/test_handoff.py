@@ -34,6 +34,11 @@ class HandOff(harness.CliTest):
             self.assertRegex(name, r"\A[A-Za-z_][A-Za-z0-9_]*\Z")
             self.assertIsInstance(value, str, name)
 
+    # Promise of README.md: The level set "passes tests 1 to 8 of OpenVDB's `checkLevelSet`", and other readers of OpenVDB take
+    #   the file
+    # Promise of design.md: "Metadata names are identifiers (`julia_alpha`) and the values are strings"; values are "half floats
+    #   with `--half`"
+    # Promise: "No two grids share a name"
     def test_all_grids(self):
         self.ok("fractal", "t.obj", *LOW, "--iterations", 4, "-o", "t.vdb", "--mesh", "t.ply", "--grids",
                 ",".join(ALL_GRIDS))
@@ -92,6 +97,7 @@ class HandOff(harness.CliTest):
         for item in surface.citerOffValues():
             self.assertEqual(abs(item.value), surface.background)
 
+    # Promise: The level set "passes tests ..."
     def test_sdf(self):
         self.ok("sdf", "t.obj", "-o", "t.vdb", "--resolution", 40)
         grid = self.grids("t.vdb")["phi"]
@@ -102,6 +108,7 @@ class HandOff(harness.CliTest):
             x, y, z = grid.transform.indexToWorld(item.min)
             self.assertAlmostEqual(item.value, math.hypot(math.hypot(x, z) - 0.7, y) - 0.3, delta=0.02)
 
+    # Promise: Distances of `sdf` of a VDB ...
     def test_sdf_of_a_vdb(self):
         """A band of any width about any level set, on its own voxels and with its signs."""
         self.ok("sdf", "t.obj", "-o", "narrow.vdb", "--resolution", 40)
@@ -132,6 +139,8 @@ class HandOff(harness.CliTest):
         self.refused(harness.USAGE, "sdf", "t.obj", "-o", "x.vdb", "--grid", "phi", mentions="--grid")
         self.refused(harness.BAD_DATA, "sdf", "f.vdb", "--grid", "phi", "-o", "x.vdb", mentions="density")
 
+    # Promise of attributes.md: "the program says how many, as do tasks of plans, the page of `explore`, and, by a `RuntimeWarning`,
+    #   `write()` in Python"
     def test_half_has_no_infinities(self):
         """A half ends at 65504. Values beyond are stored as that, and the command says how many; Fp16 of NanoVDB has scales of its own.
         The target is so large that its distances are."""
@@ -166,6 +175,7 @@ class HandOff(harness.CliTest):
         task = self.ok("task", "frames", "--index", 1)
         self.assertEqual([line for line in task.splitlines() if "16 bits" in line], warnings)
 
+    # Promise: "Metadata names are identifiers ..."
     def test_half(self):
         for name, options in (("full", ()), ("half", ("--half",))):
             self.ok("fractal", "t.obj", *LOW, "-o", f"{name}.vdb", "--grids", "surface,density", *options)
@@ -178,6 +188,7 @@ class HandOff(harness.CliTest):
             for item in list(full[name].citerOnValues())[::17]:
                 self.assertAlmostEqual(accessor.getValue(item.min), item.value, delta=abs(item.value) * 2**-10 + 1e-7)
 
+    # Promise of handoff.md: The table of `--up` and formats; "The metadata `julia_up_axis` of each file"
     def test_files_say_which_axis_is_up(self):
         """In every format that has a place for it, and as docs/handoff.md has it in its table."""
         said = re.compile(rb'julia_up_axis\W+([yz])\b')
@@ -199,6 +210,7 @@ class HandOff(harness.CliTest):
         self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb", "--grids", "logmodulus")
         self.assertEqual(list(self.grids("t.vdb")), ["logmodulus"])
 
+    # Promise of reliability.md#random-recipes: Nothing that is written is infinite or not a number
     def test_nothing_is_not_finite(self):
         # A slice through a root (the versor of 0), and an escape radius that lets the last steps grow.
         self.write("v.json", harness.rational_json([(0, 0, 0, 0, 3), (0.0625, 0, 0, 0, 2.5), (0.125, 0, 0, 0, -2)]))
@@ -233,6 +245,7 @@ class HandOff(harness.CliTest):
         said += self.refused(harness.USAGE, "fractal", "t.obj", "--config", "own.cfg", "-o", "f.vdb", mentions="seed?[31m")
         self.assertFalse([c for c in said if c != "\n" and (ord(c) < 32 or ord(c) == 127)])
 
+    # Promise: The level set "passes tests ..."
     @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("vdb_tool"), "libopenvdb-tools is not here")
     def test_tools_of_openvdb(self):
         self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb", "--grids", ",".join(ALL_GRIDS))

@@ -20,6 +20,7 @@ def described(text):
 
 class Help(harness.CliTest):
 
+    # Promise: "Every command has a `--help` ..."
     def test_the_short_help_names_all_that_the_long_one_describes(self):
         for command in (["fractal"], ["sheet"], ["slice"], ["render"], ["study"], ["plan", "tiles"], ["plan", "frames"]):
             with self.subTest(command=command):
@@ -33,6 +34,7 @@ class Help(harness.CliTest):
                 for option in ("detail", "resolution", "output"):
                     self.assertIn(option, described(short))
 
+    # Promise: "Every command has a `--help` ..."
     def test_groups_hold_every_option_once(self):
         short = self.ok("fractal", "--help", data=True)
         groups = re.findall(r"^  ([a-z]+) +--", short.split("More options")[1], re.MULTILINE)
@@ -95,6 +97,7 @@ class Help(harness.CliTest):
         self.refused(USAGE, "fractal", "--help", "tagret", mentions=["tagret", "'target'"])
         self.refused(USAGE, "help", "frctal", mentions="'fractal'")
 
+    # Promise of design.md: "A reader that closes the pipe early is no failure for help, and code 74 for data"
     def test_a_reader_that_has_seen_enough(self):
         for words in (["--help"], ["fractal", "--help", "all"], ["help", "sheet"]):
             with self.subTest(words=words):
@@ -113,6 +116,7 @@ class WordsThatAreWrong(harness.CliTest):
         super().setUp()
         self.write("s.obj", harness.obj(harness.sphere(2)))
 
+    # Promise: "Options have no abbreviations"; a word ...
     def test_did_you_mean(self):
         self.refused(USAGE, "frctal", mentions=["frctal", "did you mean 'fractal'?"])
         self.refused(USAGE, "plan", "tile", mentions="did you mean 'tiles'?")

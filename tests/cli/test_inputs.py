@@ -242,6 +242,7 @@ class Inputs(harness.CliTest):
             names += [victim, (f"./{victim}", f"there/{victim}", str(self.path(victim)))[number % 3]]
         return names
 
+    # Promise: "No output replaces an input", through ...
     def test_no_case_is_forgotten(self):
         said = self.ok("--help", data=True)
         commands = [line.split()[0] for line in said.partition("Commands:\n")[2].splitlines() if line.startswith("  ")]
@@ -296,6 +297,8 @@ class Inputs(harness.CliTest):
         self.assertEqual(self.contents(), before)
         self.assertEqual(self.listing(), files, "a refused run left files behind")
 
+    # Promise of design.md: "No output replaces an input", through links, other spellings, frames, plans and recipes: refused
+    #   before any work, with both names
     def test_no_output_replaces_an_input(self):
         runs = []
         for number, (command, victim, words) in enumerate(CASES):
@@ -303,6 +306,7 @@ class Inputs(harness.CliTest):
                 runs.append((name, victim, (command, *(name if word == OUT else word for word in words))))
         self.check(runs)
 
+    # Promise: "No output replaces an input", through ...
     def test_the_recipes_of_a_sheet(self):
         """They go beside its picture, under a name that nobody has given."""
         runs = [("t.json", "t.json", ("sheet", "--config", "t.json#1", "--vary", "alpha=10,20", "-o", "t.png"))]
@@ -310,6 +314,7 @@ class Inputs(harness.CliTest):
         runs.append(("k.json", "t.json", ("sheet", "--config", "t.json#1", "--vary", "alpha=10,20", "-o", "k.png")))
         self.check(runs)
 
+    # Promise: "No output replaces an input", through ...
     def test_no_frame_replaces_an_input_of_any_frame(self):
         sequence = ("--frames", "1-2", *LOW)
         os.link(self.path("in.0001.obj"), self.path("later.0002.obj"))
@@ -338,6 +343,7 @@ class Inputs(harness.CliTest):
             ("grids.0001.nvdb", "g.0002.vdb", ("convert", "g.####.vdb", "--frames", "1-2", "-o", "grids.####.nvdb")),
         ])
 
+    # Promise: "No output replaces an input", through ...
     def test_the_pieces_of_a_plan(self):
         os.link(self.path("b.obj"), self.path("pieces.0002.ply"))
         os.link(self.path("b.obj"), self.path("cut.2.ply"))
@@ -347,6 +353,7 @@ class Inputs(harness.CliTest):
                     # How many there are is known once the tiles are read.
                     ("cut.2.ply", "b.obj", ("merge", "plan", "--mesh", "cut.ply", "--most-points", 900))])
 
+    # Promise of design.md: Two names of outputs that are one file are refused; "Devices and pipes are never inputs in this sense"
     def test_two_outputs_are_two_files(self):
         os.symlink("pair.png", self.path("same.png"))
         before = self.listing()
@@ -355,6 +362,7 @@ class Inputs(harness.CliTest):
             self.assertIn(f"'{second}'", text)
         self.assertEqual(self.listing(), before)
 
+    # Promise: "No output replaces an input", through ...
     def test_a_task_keeps_its_input(self):
         os.mkdir(self.path("frames/out"))
         os.link(self.path("in.0001.obj"), self.path("frames/out/in.0001.vdb"))
@@ -372,6 +380,7 @@ class Outputs(harness.CliTest):
         super().setUp()
         self.write("b.obj", harness.obj(harness.lumpy()))
 
+    # Promise: Two names of outputs that are one ...
     def test_outputs_of_earlier_runs_are_no_inputs(self):
         job = ("fractal", "b.obj", "-o", "x.vdb", "--mesh", "x.ply", *LOW)
         self.ok(*job)
@@ -380,6 +389,7 @@ class Outputs(harness.CliTest):
         self.ok("fractal", "--config", "x.vdb", "--mesh", "x.ply")
         self.assertEqual((self.bytes("x.vdb"), self.bytes("x.ply")), made)
 
+    # Promise: Two names of outputs that are one ...
     def test_devices_take_what_they_are_given(self):
         self.ok("fractal", "b.obj", "-o", "/dev/null", "--mesh", "/dev/null", *LOW)
         self.ok("fractal", "b.obj", "--mesh", "b.ply", *LOW)
@@ -407,6 +417,8 @@ class Outputs(harness.CliTest):
     def temporaries(self):
         return [name for name in self.listing() if name.endswith(".tmp")]
 
+    # Promise of reliability.md: "What a run that was killed by SIGKILL leaves is removed by the next run that writes the same
+    #   output; temporary files of other outputs and of living runs stay"
     def test_the_next_run_removes_what_a_killed_one_left(self):
         long_name = "n" * 150
         for output, mesh in (("x.vdb", "x.ply"), (f"{long_name}.vdb", f"{long_name}.ply")):
@@ -418,6 +430,7 @@ class Outputs(harness.CliTest):
                 self.ok(*job, "--resolution", 20)
                 self.assertEqual(self.temporaries(), [])
 
+    # Promise: "What a run that was killed ..."
     def test_what_another_job_left_stays(self):
         self.killed("fractal", "b.obj", "-o", "x.vdb", "--sdf-resolution", 24, "--resolution", 1500)
         self.write(".y.vdb.0123456.tmp", "somebody's")
@@ -426,6 +439,7 @@ class Outputs(harness.CliTest):
         self.ok("fractal", "b.obj", "-o", "y.vdb", "--mesh", "x.ply", *LOW)
         self.assertEqual(self.temporaries(), left)
 
+    # Promise: "What a run that was killed ..."
     def test_a_sequence_goes_on_without_leftovers(self):
         job = ("fractal", "b.obj", "-o", "g.####.vdb", "--frames", "1-2", "--sdf-resolution", 24,
                "--key", "resolution@1=20", "--ease", "step")

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Promise of design.md#4-the-command-line: Ctrl-C and SIGTERM end with 75 soon, and leave what was there
 """Ctrl-C and SIGTERM: gone within a second, exit code 75, nothing left behind."""
 
 import json
@@ -74,6 +75,7 @@ class Interrupt(harness.CliTest):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 32)
         self.interrupt_in("render", "render", "s.vdb", "-o", "x.png", "--size", "6000x6000", "--samples", 16)
 
+    # Promise: "What an interruption reports ..."
     def test_what_is_left_of_a_turntable_is_told(self):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 32)
         process = subprocess.Popen(
@@ -97,6 +99,7 @@ class Interrupt(harness.CliTest):
         self.interrupt_in("field", "plan", "tiles", "s.obj", "-o", "p", "--tiles", 4, "--resolution", 2000, "--alpha", 6,
                           "--sdf-resolution", 48, "--estimate")
 
+    # Promise: "No temporary file stays behind"
     def test_an_existing_output_stays(self):
         self.write("x.vdb", "precious")
         self.interrupt_in("surface", "fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6,

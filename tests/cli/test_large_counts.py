@@ -50,6 +50,9 @@ class LargeCounts(harness.CliTest):
         cuts = sorted(self.random.sample(range(1, total), tasks - 1))
         return [end - begin for begin, end in zip([0, *cuts], [*cuts, total])]
 
+    # Promise of farm.md: "Counts have 64 bits everywhere: in the records of tasks, in sums, in messages and in JSON", and
+    #   `status` "adds up exactly what the finished tasks have made"
+    # Promise: `status` counts "triangles, or evaluated ..."
     def test_sums_are_exact(self):
         self.made("count")
         for total in TOTALS:
@@ -67,6 +70,7 @@ class LargeCounts(harness.CliTest):
                 whole = json.loads(self.bytes("c.json"))
                 self.assertEqual((whole["points"], whole["triangles"]), (total // 2, total))
 
+    # Promise: "Counts have 64 bits everywhere: in the records ..."
     def test_what_is_to_come_is_told_in_fitting_units(self):
         self.made("count")
         self.path(f"farm/tasks/{TILES:04}.json").unlink()
@@ -76,6 +80,7 @@ class LargeCounts(harness.CliTest):
                 self.record(i + 1, 1, triangles)
             self.assertIn(f"\ntriangles: {total} so far, about {to_go} to go\n", self.ok("status", "farm", data=True))
 
+    # Promise: "Counts have 64 bits everywhere: in the records ..."
     def test_what_64_bits_do_not_hold_is_refused(self):
         self.made("count")
         for i in range(TILES):
@@ -111,6 +116,7 @@ class LargeCounts(harness.CliTest):
         data[16:40] = struct.pack("<3Q", points, guests, triangles)
         self.rewrite(task, name, bytes(data))
 
+    # Promise of farm.md: "`merge` refuses a mesh that does not fit before it writes anything"
     def test_a_mesh_that_its_format_cannot_count_is_refused_before_it_is_written(self):
         self.made("stl")
         others = sum(struct.unpack("<Q", self.bytes(f"farm/tiles/{i:04}.tile")[32:40])[0] for i in range(2, TILES + 1))

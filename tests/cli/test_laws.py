@@ -50,6 +50,7 @@ class Laws(harness.CliTest):
 
 class Closed(Laws):
 
+    # Promise of README.md: A mesh is "closed, 2-manifold, oriented outward, with normals"
     def test_closed_and_manifold(self):
         for options in (("s.obj",), ("t.obj", "--alpha", 15), ("t.obj", "--alpha", "x:8:200", "--beta", -0.02),
                         ("s.obj", "--slice", 0.3, "--origin", "0.1,0.05,-0.1"), ("t.obj", "--iterations", 1),
@@ -59,6 +60,8 @@ class Closed(Laws):
             with self.subTest(options=options):
                 self.check_closed(self.fractal(*options, *self.low(options[0])))
 
+    # Promise of design.md: `--follow`: "What it finds is exact and closed", and the share that is missed is told
+    # Promise of options.md: "`--seed-stride 4` finds more" than the default of 8, or as much
     def test_following_finds_the_surface(self):
         """--follow says what it left out, finds what the whole shell holds but for a few islands, and closes it."""
         job = ("fractal", "t.obj", "--resolution", 100, "--sdf-resolution", 48, "--alpha", 40)
@@ -74,6 +77,7 @@ class Closed(Laws):
             self.assertLessEqual(found, set(followed.points), "seeds nearer to each other find less")
             found = set(followed.points)
 
+    # Promise of options.md: "keep only the N largest" islands, "or those of at least a given size"; the others go whole
     def test_islands_are_dropped_whole(self):
         rough = ("t.obj", "--alpha", 15, "--texture-seed", 3, *LOW)
         whole = self.fractal(*rough)
@@ -84,6 +88,8 @@ class Closed(Laws):
         self.check_closed(self.fractal(*rough, "--min-size", 0.15))
         self.refused(harness.BAD_DATA, "fractal", *rough, "--min-size", 50, "-o", "none.vdb", mentions="min-size")
 
+    # Promise of options.md: Crumbs, "pieces of at most 8 voxels along each axis", are dropped unless kept, "the summary says how
+    #   many and how much", and an earlier version's recipe keeps them
     def test_crumbs_are_dropped_whole(self):
         """Small pieces go, and the summary says how many; with --crumbs keep they are there, as in an earlier version's recipe."""
         rough = ("t.obj", "--detail", 0.6, "--texture", "random", "--texture-seed", 3, "--resolution", 90, "--sdf-resolution", 40)
@@ -112,6 +118,7 @@ class Closed(Laws):
         self.ok("fractal", "--config", "old.ply", "--mesh", "as_old.ply")
         self.assertEqual(self.bytes("as_old.ply"), self.bytes("k.ply"))
 
+    # Promise: Crumbs, "pieces of at most ..."
     def test_a_small_target_is_no_crumb(self):
         for resolution in (3, 6):
             self.check_closed(self.fractal("s.obj", "--sdf-resolution", 16, "--resolution", resolution))
@@ -123,12 +130,14 @@ class Closed(Laws):
         self.check_closed(kept)
         self.assertEqual(self.fractal(*dust).points, kept.points, "sets without a target keep theirs")
 
+    # Promise: A mesh is "closed, 2-manifold, oriented ..."
     def test_a_rational_map(self):
         self.write("v.o3d", harness.o3d(harness.ROOTS, harness.ROOTS[:1]))
         for words in (("--map", "rational"), ("s.obj", "--map", "rational")):
             with self.subTest(words=words):
                 self.check_closed(self.fractal(*words, "--texture", "v.o3d", *self.low(words[0]), "--cap"))
 
+    # Promise: "With `--box` it ends at the box" ...
     def test_a_capped_box(self):
         mesh = self.fractal("s.obj", *LOW, "--box", BOX_TEXT, "--cap")
         self.check_closed(mesh)
@@ -146,6 +155,7 @@ class Closed(Laws):
             for end, face in ((min, nodes[axis]), (max, nodes[axis + 3])):
                 self.assertAlmostEqual(end(p[axis] for p in mesh.points), face, delta=1.01 * margin)
 
+    # Promise of README.md: "With `--box` it ends at the box" and is open exactly there; "`--cap` closes it there"
     def test_an_open_box(self):
         mesh = self.fractal("s.obj", *LOW, "--box", BOX_TEXT)
         self.check_vertices(mesh)
@@ -168,11 +178,13 @@ class Closed(Laws):
                 self.assertGreaterEqual(point[axis], BOX[axis] - margin - 1e-6)
                 self.assertLessEqual(point[axis], BOX[axis + 3] + margin + 1e-6)
 
+    # Promise: "With `--box` it ends at the box" ...
     def test_the_box_cuts_and_changes_nothing_else(self):
         whole = self.fractal("s.obj", *LOW)
         part = self.fractal("s.obj", *LOW, "--box", BOX_TEXT)
         self.assertLess(set(part.points), set(whole.points))
 
+    # Promise: `mesh` makes the mesh of a fractal's ...
     def test_from_the_grid(self):
         self.ok("fractal", "t.obj", *LOW, "-o", "t.vdb")
         mesh = self.mesh("mesh", "t.vdb", "--from-grid", "-o")
@@ -185,6 +197,7 @@ class Closed(Laws):
 
 class Sizes(Laws):
 
+    # Promise: "Every vertex is within the tolerance ..."
     def test_the_unit_ball(self):
         """|q| < 1 stays bounded under q^2 and all else does not: with n steps the surface is at escape^(1/2^n)."""
         n, escape, voxel = 20, 20, None
@@ -214,11 +227,13 @@ class Sizes(Laws):
         for precision in ("double", "auto"):
             self.assertNotIn("--precision", self.ok(*ball, *near(1e-6), "--precision", precision))
 
+    # Promise: A larger alpha is nearer ...
     def test_a_larger_beta_is_a_larger_set(self):
         volumes = [harness.volume_of(self.fractal("s.obj", *LOW, "--beta", beta)) for beta in (-0.05, 0, 0.05)]
         self.assertLess(volumes[0], volumes[1])
         self.assertLess(volumes[1], volumes[2])
 
+    # Promise of design.md: A larger alpha is nearer to the target, and "A positive beta moves the shell outward"
     def test_a_larger_alpha_is_nearer_to_the_target(self):
         target = harness.volume_of(harness.read_obj(self.bytes("s.obj")))
         errors = [abs(harness.volume_of(self.fractal("s.obj", *LOW, "--alpha", alpha)) - target)
@@ -230,6 +245,7 @@ class Sizes(Laws):
 
 class Similarity(Laws):
 
+    # Promise of options.md: "the same for a target of any size at any place"
     def test_scaled_and_moved_targets(self):
         """alpha = 40 means the same in metres and millimetres, here and a mile away."""
         # Coordinates and moves that doubles hold exactly: what differs is the program's own rounding.
@@ -273,6 +289,7 @@ class Similarity(Laws):
             self.assertTrue({turned(f) for f in mesh.faces} == {turned(tuple(match[k] for k in f)) for f in faces},
                             "the triangles differ")
 
+    # Promise: "the same for a target of any ..."
     def test_a_thousand_times_as_large(self):
         plain = self.fractal("s.obj", *LOW)
         self.write("large.obj", harness.obj(harness.moved(harness.sphere(3), 1000.0, (0, 0, 0))))
@@ -282,6 +299,7 @@ class Similarity(Laws):
             for x, y in zip(p, q):
                 self.assertAlmostEqual(y / 1000, x, delta=2e-3 * 2 / 28)
 
+    # Promise of options.md: "The fractal itself does not depend on" `--resolution`: a node has the same F on every lattice
     def test_the_fractal_does_not_depend_on_the_resolution(self):
         """Every node of a lattice is a node of the one that is twice as fine, and has the same value there."""
         self.write("l.obj", harness.obj(harness.lumpy()))
@@ -297,12 +315,14 @@ class Similarity(Laws):
                 compared += 1
         self.assertGreater(compared, 10000)
 
+    # Promise of options.md: On `--sdf-resolution` "the fractal does depend"
     def test_the_fractal_depends_on_the_resolution_of_the_distances(self):
         self.write("l.obj", harness.obj(harness.lumpy()))
         for resolution in (30, 40):
             self.ok("fractal", "l.obj", "--resolution", 24, "--sdf-resolution", resolution, "--mesh", f"{resolution}.stl")
         self.assertNotEqual(self.bytes("30.stl"), self.bytes("40.stl"))
 
+    # Promise of options.md: "`--space world` uses the coordinates as they are"
     def test_the_world_as_it_is(self):
         """A target about 0 whose longest side is 1 lies in the world as in fractal space; one twice as large does not."""
         self.write("one.obj", harness.obj(harness.sphere(3, 0.5)))
@@ -317,6 +337,8 @@ class Similarity(Laws):
         self.assertAlmostEqual(volumes["two", "fit"] / volumes["one", "fit"], 8, delta=1e-3)
         self.assertGreater(abs(volumes["two", "world"] / volumes["one", "world"] - 8), 0.05)
 
+    # Promise of precision.md: "`auto` chooses float if the voxel is at least 1e-3 of the largest coordinate, the summed powers of
+    #   the versor are at most 250, and there are at most 10 iterations"
     def test_doubles_are_taken_where_floats_are_not_exact_enough(self):
         """The rule of docs/precision.md, on both sides of each of its bounds."""
         powers = lambda *each: harness.rational_json([(0.1 * k, 0.2, -0.1, 0, p) for k, p in enumerate(each)])
@@ -343,6 +365,8 @@ class Similarity(Laws):
                 mesh = self.fractal(*options, *size, *(LOW[2:] if options[0] == "s.obj" else ()))
                 self.assertEqual(mesh.comments["julia_arithmetic"], arithmetic)
 
+    # Promise of design.md: "Where floats would move a vertex by more than 1/1000 of a voxel, a PLY has doubles", and a GLB floats
+    #   about its middle
     def test_far_away_the_file_keeps_the_detail(self):
         """Floats would move vertices by a share of a voxel there: the PLY has doubles."""
         voxel = 2 / 28
@@ -352,6 +376,7 @@ class Similarity(Laws):
         self.check_closed(mesh)
         self.assertFalse(self.fractal("s.obj", *LOW).doubles)
 
+    # Promise of precision.md#what-it-says: Floats and doubles give the same set but for a few vertices
     def test_float_and_double_agree(self):
         double, single = (self.fractal("s.obj", *LOW, "--precision", p) for p in ("double", "float"))
         near = abs(len(double.points) - len(single.points)) / len(double.points)
@@ -363,6 +388,8 @@ class Similarity(Laws):
                     for p in single.points)
         self.assertGreater(found / len(single.points), 0.99)
 
+    # Promise: "`--exhaustive`, which evaluates every ..."
+    # Promise: "E may be clamped to the interval ..."
     def test_the_shell_decides_what_it_says(self):
         """An exhaustive run evaluates every node and finds the same surface."""
         shell, every = (self.fractal("t.obj", *LOW, *more) for more in ((), ("--exhaustive",)))
@@ -372,6 +399,7 @@ class Similarity(Laws):
 
 class Ways(Laws):
 
+    # Promise of design.md#meshes: PLY, OBJ and STL of a fractal hold the same triangles
     def test_formats_hold_the_same_triangles(self):
         job = ("fractal", "s.obj", *LOW, "--mesh")
         for name in ("m.ply", "m.obj", "m.stl"):
@@ -389,11 +417,14 @@ class Ways(Laws):
             self.assertTrue(info["closed"], name)
             self.assertEqual((info["points"], info["triangles"]), (len(ply.points), len(ply.faces)), name)
 
+    # Promise of design.md: `mesh` makes the mesh of a fractal's VDB again, "whose vertices lie on the true surface"
     def test_mesh_of_a_fractal_is_its_mesh(self):
         self.ok("fractal", "t.obj", *LOW, "--alpha", 25, "-o", "t.vdb", "--mesh", "one.ply")
         self.ok("mesh", "t.vdb", "-o", "two.ply")
         self.assertTrue(self.bytes("one.ply") == self.bytes("two.ply"))
 
+    # Promise of targets.md#what-is-accepted: A mesh gives the same fractal from OBJ, PLY, STL and OFF; a VDB with a signed
+    #   distance serves as well
     def test_targets_of_every_format(self):
         """A mesh that floats hold exactly gives the same fractal from every format that can hold it."""
         mesh = harness.cube()
@@ -405,6 +436,7 @@ class Ways(Laws):
         for other in results[1:]:
             self.assertTrue(results[0] == other, "the vertices differ")
 
+    # Promise: A mesh gives the same fractal ...
     def test_an_sdf_is_as_good_as_its_mesh(self):
         self.ok("sdf", "t.obj", "-o", "sdf.vdb", "--resolution", 40)
         one = self.fractal("t.obj", "--resolution", 28, "--sdf-resolution", 40)

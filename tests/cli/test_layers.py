@@ -61,6 +61,8 @@ class Layers(harness.TextureTest):
 
     # What they are.
 
+    # Promise of textures.md: A versor that is a formula or a field: its variables, "read trilinearly between the centres of its
+    #   voxels", "A sparse grid, such as a band about the surface, is continued first"
     def test_a_formula_of_the_point_is_the_rational_of_the_same(self):
         """The root 0 of power 1 has the versor of q, and that of power 2 the versor of q^2."""
         squared = "expr:x*x - y*y - z*z - w*w, 2*x*y, 2*x*z, 2*x*w"
@@ -72,11 +74,13 @@ class Layers(harness.TextureTest):
                     self.assert_alike(self.mesh("--texture", formula, *options),
                                       self.mesh("--texture", "root.json", *options), 0.995)
 
+    # Promise: A versor that is a formula ...
     def test_three_components_are_the_fourth_left_out(self):
         for axis, four in (("i", "y,0,-x,z+0.2"), ("j", "y,-x,0,z+0.2"), ("k", "y,-x,z+0.2,0")):
             self.assertEqual(self.points("--texture", "expr:y,-x,z+0.2", "--drop-axis", axis),
                              self.points("--texture", f"expr:{four}", "--drop-axis", axis))
 
+    # Promise: A versor that is a formula ...
     def test_a_formula_knows_the_target(self):
         default = self.points("--texture", "expr:x,y,z")
         for formula in ("expr:nx,ny,nz+0.1", "expr:x,y,z+10*phi", "expr:cos(20*tau),sin(20*tau),0.1",
@@ -86,6 +90,7 @@ class Layers(harness.TextureTest):
         self.write("painted.ply", test_painting.painted_ply(harness.lumpy(), ["float weight"], lambda p: (p[0],)))
         self.ok("fractal", "painted.ply", *LOW, "--texture", "expr:weight+0.1,y,z", "--mesh", "w.ply")
 
+    # Promise: A versor that is a formula ...
     def test_a_field_is_the_formula_of_the_same(self):
         self.field()
         same = self.mesh("--texture", "expr:0.3+y, z-0.1, x+0.2", *WORLD)
@@ -95,6 +100,7 @@ class Layers(harness.TextureTest):
             with self.subTest(source=source):
                 self.assert_alike(self.mesh("--texture", source, *WORLD), wanted)
 
+    # Promise: A versor that is a formula ...
     def test_a_sparse_field_is_filled(self):
         """A band of normals, as artists make them: what lies within the shape goes on from there."""
         shell = lambda x, y, z: 0.5 < math.hypot(x, y, z) < 1.6
@@ -103,6 +109,7 @@ class Layers(harness.TextureTest):
         self.mesh("--texture", "field:n.vdb:n")
         self.assert_alike(self.mesh("--texture", "field:n2.vdb:n"), self.mesh("--texture", "expr:4,0,3"), 0.999)
 
+    # Promise of textures.md: Layers: "0 is the first alone, 1 the second alone", in all the ways of a control
     def test_layers_of_0_and_1_are_the_textures(self):
         for over in (("--texture", "thorns", "--frequency", "coarse", "--texture-seed", 3), ("--texture", "rings"),
                      ("--texture", "expr:y,-x,0.3")):
@@ -117,6 +124,7 @@ class Layers(harness.TextureTest):
                 self.assertEqual(self.points(*under, *named, "--texture-mix", 1), self.points(*over))
                 self.assertNotIn(mixed, (self.points(*under), self.points(*over)))
 
+    # Promise: Layers: "0 is the first alone, 1 ..."
     def test_a_painted_mix_keeps_each_side(self):
         """Left of x = -0.5 there is one texture, and right of 0.5 the other, to the bit; between them no seam tears."""
         mix = ("--texture", "woven", "--texture-over", "coral", "--texture-mix", "x:0@0.3:1@0.7:smooth")
@@ -131,6 +139,7 @@ class Layers(harness.TextureTest):
         self.assertEqual(side(mixed, lambda x: x > right), side(coral, lambda x: x > right))
         self.assertEqual(harness.open_edges(mixed), [])
 
+    # Promise: "A set over a target that has the symmetry has it too"
     def test_symmetry_has_an_effect_on_all(self):
         self.field()
         for versor in ("scales", "random", "rings", "expr:x+0.2,y,z", "field:f.vdb:v"):
@@ -151,12 +160,14 @@ class Layers(harness.TextureTest):
         ("--texture", "field:f.vdb:v", "--texture-over", "random", "--texture-mix", "y:0:1", "--texture-symmetry", "mirror:xz"),
     )
 
+    # Promise: Formulas, fields, layers and symmetries: bounds ...
     def test_the_same_in_all_ways(self):
         self.field()
         for options in self.FAMILIES:
             with self.subTest(options=options):
                 self.assert_the_same_in_all_ways(*options)
 
+    # Promise: Formulas, fields, layers and symmetries: bounds ...
     def test_a_recipe_holds_them(self):
         self.field()
         for options in self.FAMILIES:
@@ -170,6 +181,7 @@ class Layers(harness.TextureTest):
         write_grids(self.path("f.vdb"), 0.1, {"v": (pyopenvdb.Vec3SGrid, lambda x, y, z: (1, 0, 0))})
         self.refused(BAD_DATA, "fractal", "--config", "one.vdb", "-o", "x.vdb", mentions="f.vdb")
 
+    # Promise: Formulas, fields, layers and symmetries: bounds ...
     def test_sequences_sheets_and_pictures(self):
         layers = ("--texture", "woven", "--texture-over", "thorns", "--texture-symmetry", "mirror:x")
         self.ok("fractal", "t.obj", *LOW, *layers, "--frames", "1-2", "--key", "texture-mix@1=0", "--key",
@@ -187,6 +199,8 @@ class Layers(harness.TextureTest):
         with self.subTest(options=options):
             self.refused(code, "fractal", "t.obj", *LOW, *options, "-o", "x.vdb", mentions=mentions)
 
+    # Promise of textures.md: "Where a direction is undefined at single points or on a line", the versor is 1 and the mesh closed;
+    #   elsewhere the formula or field is "refused with the place"
     def test_bad_formulas(self):
         for text in ("", "x", "x,y", "x,y,z,w,x", "x,,z", "x,y,)", "x,y,foo(z)", "x,y,z=1"):
             self.bad(USAGE, ("--texture", f"expr:{text}"), "--texture", text)
@@ -199,6 +213,7 @@ class Layers(harness.TextureTest):
         for text in ("x,y,z", "-y,x,0", "x/sqrt(x*x+y*y+z*z),y/sqrt(x*x+y*y+z*z),z/sqrt(x*x+y*y+z*z)"):
             self.assertEqual(harness.open_edges(self.mesh("--texture", f"expr:{text}", "--origin", "centre")), [])
 
+    # Promise: "Where a direction is undefined ..."
     def test_bad_fields(self):
         self.field()
         vector, nan = pyopenvdb.Vec3SGrid, float("nan")
@@ -223,6 +238,7 @@ class Layers(harness.TextureTest):
         # One vector of length 0 is a point without a direction.
         self.assertEqual(harness.open_edges(self.mesh("--texture", "field:bad.vdb:point")), [])
 
+    # Promise: Layers: "0 is the first alone, 1 ..."
     def test_bad_layers(self):
         for value in ("-0.1", "1.1", "nan", "much"):
             self.bad(USAGE, ("--texture-over", "thorns", "--texture-mix", value), "--texture-mix", value)

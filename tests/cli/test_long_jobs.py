@@ -29,6 +29,7 @@ class Threads(harness.CliTest):
         process.wait()
         return most
 
+    # Promise of usage.md: "`--threads N` (or the variables `SLURM_CPUS_PER_TASK` and `SLURM_CPUS_ON_NODE`)" is honoured
     @unittest.skipIf(len(os.sched_getaffinity(0)) < 2, "one processor: every run has one thread")
     def test_the_number_of_threads_is_honoured(self):
         self.write("s.obj", harness.obj(harness.sphere(2)))

@@ -50,6 +50,9 @@ class Makers(harness.CliTest):
 
     # Points.
 
+    # Promise: "No two points are nearer ..."
+    # Promise of points.md: Points: "A `.ply` has vertices with normals and no faces"; "A `.vdb` has a grid of OpenVDB points
+    #   named `points`"
     def test_points_of_a_mesh(self):
         said = self.ok("points", "s.obj", "-o", "p.ply", "--points", 500)
         points, normals = rows_of(self.bytes("p.ply"))
@@ -64,6 +67,7 @@ class Makers(harness.CliTest):
         self.ok("points", "s.obj", "-o", "q.ply", "--spacing", 0.2)
         self.assertGreaterEqual(least_distance(rows_of(self.bytes("q.ply"))[0]), 0.2 - 1e-6)
 
+    # Promise: On a fractal "the points ..."
     def test_points_lie_on_the_true_surface_of_a_fractal(self):
         self.fractal()
         for name in ("f.vdb", "f.ply"):
@@ -74,6 +78,7 @@ class Makers(harness.CliTest):
         self.ok("points", "f.ply", "-o", "q.ply", "--points", 300, "--from-grid")
         self.assertNotEqual(rows_of(self.bytes("p.ply")), rows_of(self.bytes("q.ply")))
 
+    # Promise of points.md: On a fractal "the points lie on the true surface F = 0, within the `--tolerance` of its recipe"
     def test_points_of_a_ball_lie_on_the_ball(self):
         """|q| < 1 stays bounded under q^2: the surface is a sphere, and the triangles of its mesh are not."""
         self.ok("fractal", "--map", "quadratic", "--c", "0,0,0,0", "--iterations", 20, "--escape", 20, "--resolution", 16,
@@ -87,6 +92,7 @@ class Makers(harness.CliTest):
             self.assertLess(farthest[name, ()], 1.1e-3 * voxel)
             self.assertGreater(farthest[name, ("--from-grid",)], 10e-3 * voxel)
 
+    # Promise of points.md: "the same one gives the same bytes on any machine" of points, and another seed others
     def test_points_are_the_same_for_any_number_of_threads(self):
         self.fractal()
         for output in ("p.ply", "p.vdb"):
@@ -98,11 +104,13 @@ class Makers(harness.CliTest):
             self.ok("points", "f.vdb", "-o", output, "--spacing", 0.1, "--seed", 2)
             self.assertNotEqual(self.bytes(output), made[0])
 
+    # Promise: Points: "A `.ply` has vertices ..."
     def test_points_as_vdb(self):
         self.ok("points", "s.obj", "-o", "p.vdb", "--points", 100)
         grids, = self.info("p.vdb")["grids"]
         self.assertEqual(grids["name"], "points")
 
+    # Promise of points.md: "What a mesh has at its points is carried over"
     def test_colours_of_a_mesh_are_carried_over(self):
         points, faces = harness.sphere(3)
         lines = [f"v {x} {y} {z} {1 if y > 0 else 0} 0 0\n" for x, y, z in points]
@@ -124,6 +132,7 @@ class Makers(harness.CliTest):
 
     # Adaptive meshes.
 
+    # Promise of README.md: "`--adaptivity 0.2` leaves out triangles where it is flat", and the mesh stays closed
     def test_adaptive_meshes_are_closed_and_have_fewer_triangles(self):
         self.fractal()
         full = self.closed("f.ply")
@@ -147,6 +156,8 @@ class Makers(harness.CliTest):
 
     # Parts for printing.
 
+    # Promise of printing.md: A part is "one closed piece, in millimetres, with z up, standing on z = 0"
+    # Promise: `--longest-side` is "The longest ..."
     def test_a_part_has_the_size_in_every_format(self):
         self.fractal()
         for name in ("s.obj", "f.vdb", "f.ply"):
@@ -159,6 +170,7 @@ class Makers(harness.CliTest):
         self.ok("print", "f.vdb", "-o", "p.ply", "--size", 40, "--min-thickness", 4, "--resolution", 40)
         self.closed("p.ply")
 
+    # Promise of printing.md: Without a thickness and a base "the surface stays exactly that of the fractal's mesh"
     def test_without_a_thickness_the_surface_is_that_of_the_mesh(self):
         """Of the largest island, scaled, turned and moved, and nothing else."""
         self.fractal()
@@ -179,6 +191,7 @@ class Makers(harness.CliTest):
             cell = tuple(round(c / 0.01) for c in point)
             self.assertTrue(any(tuple(a + b for a, b in zip(cell, step)) in near for step in steps), point)
 
+    # Promise of printing.md: `--longest-side` is "The longest side of the finished part", to within twice `--tolerance`
     def test_the_size_is_kept_to_within_the_tolerance(self):
         points, faces = harness.sphere(3)
         self.write("plate.obj", harness.obj(([(x, 0.05 * y, z) for x, y, z in points], faces)))
@@ -188,6 +201,7 @@ class Makers(harness.CliTest):
             extents = [max(p[k] for p in mesh.points) - min(p[k] for p in mesh.points) for k in range(3)]
             self.assertAlmostEqual(max(extents), 40, delta=1e-4 + 2 * tolerance)
 
+    # Promise: A part is "one closed piece, in millimetres, with z ..."
     def test_what_points_up(self):
         points, faces = harness.sphere(3)
         self.write("tall.obj", harness.obj(([(x, 3 * y, z) for x, y, z in points], faces)))
@@ -198,6 +212,8 @@ class Makers(harness.CliTest):
             self.assertEqual(extents.index(max(extents)), tall)
             self.assertGreater(harness.volume_of(mesh), 0)
 
+    # Promise: A part is "one closed piece, in millimetres, with z ..."
+    # Promise of printing.md: "A 3MF says that its unit is the millimetre"
     def test_3mf_is_what_its_readers_expect(self):
         run = self.run_program("print", "s.obj", "-o", "p.3mf", "--size", 40)
         if b"libzip" in run.stderr:
@@ -260,6 +276,8 @@ class Makers(harness.CliTest):
         self.assertNotIn("warning", self.ok(*words, "--flat-base", better))
         self.assertNotIn("first layer", self.ok("print", "cube.obj", "-o", "p.stl", "--longest-side", 60))
 
+    # Promise of printing.md: The command says "how large the part is, how much material it takes, and how thick its thinnest
+    #   place is"
     def test_what_it_says_is_what_was_made(self):
         said = self.ok("print", "s.obj", "-o", "p.ply", "--size", 40, "--flat-base", 4, "--resolution", 40)
         mesh = self.closed("p.ply")
@@ -268,6 +286,8 @@ class Makers(harness.CliTest):
         self.assertRegex(said, r"stands on a base of \d+ mm2")
         self.assertRegex(said, r"the thinnest place found is more than [\d.]+ mm thick")
 
+    # Promise of printing.md: "where the thinnest place is up to 2 % below what was asked for the command says so, and where it is
+    #   less than that it warns"
     def test_a_part_that_stays_too_thin_is_told(self):
         """What is below the least thickness by no more than a thickness is measured exactly is said, and more is warned of.
         On coarse lattices both happen to a rough fractal: sooner or later, as which one does depends on every bit."""

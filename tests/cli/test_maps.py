@@ -73,6 +73,7 @@ class EveryMap(Maps):
                     self.check_closed(self.fractal("--map", "cross", "--scheme", scheme, "--pair", pair, "--radius", 3,
                                                    *LEAST))
 
+    # Promise: The level set "passes tests ..."
     @unittest.skipUnless(shutil.which("vdb_print") and shutil.which("vdb_tool"), "libopenvdb-tools is not here")
     def test_handed_off(self):
         """To a VDB and a mesh, which the tools of OpenVDB and its Python module read; and to every other command."""
@@ -106,6 +107,7 @@ class EveryMap(Maps):
                     self.assertGreater(len({pixel for row in rows for pixel in row}), 1, f"{field} shows nothing")
                 self.refused(USAGE, "slice", "m.vdb", "-o", "y.png", "--field", "phi", mentions="target")
 
+    # Promise: "The same recipe gives the same ..."
     def test_the_same_bytes(self):
         for options in MAPS:
             with self.subTest(options=options):
@@ -123,6 +125,7 @@ class EveryMap(Maps):
                 self.ok("fractal", *options, *LEAST, "--mesh", "all.stl", "--exhaustive")
                 self.assertTrue(self.bytes("plain.stl") == self.bytes("all.stl"))
 
+    # Promise: `--follow`: "What it finds ..."
     def test_following(self):
         whole = self.fractal("--map", "mandelbulb", *LOW)
         followed = self.fractal("--map", "mandelbulb", *LOW, "--follow", "--seed-stride", 2)
@@ -130,6 +133,7 @@ class EveryMap(Maps):
         self.assertLessEqual(set(followed.points), set(whole.points))
         self.assertGreater(len(followed.points), 0.95 * len(whole.points))
 
+    # Promise: "With `--box` it ends at the box" ...
     def test_boxes_cut_and_change_nothing_else(self):
         for options in (("--map", "cross", "--pair", "A"), ("--map", "mandelbulb"), ("--map", "quadratic", "--mandelbrot")):
             with self.subTest(options=options):
@@ -139,6 +143,7 @@ class EveryMap(Maps):
                 self.assertLess(set(part.points), set(whole.points))
                 self.check_closed(self.fractal(*options, *size, "--box", "-1,-0.5,-0.3,0.4,0.9,0.6", "--cap"))
 
+    # Promise: "keep only the N largest" ...
     def test_islands(self):
         """The Julia set of A and (-1, 0, 0) is balls and flats in a row; the largest ball is about the origin."""
         options = ("--map", "cross", "--scheme", 5, *LOW)
@@ -147,6 +152,7 @@ class EveryMap(Maps):
 
 class Sets(Maps):
 
+    # Promise: Every map has the options, defaults ...
     def test_the_defaults_are_the_papers(self):
         self.ok("fractal", "--map", "cross", *LOW, "-o", "m.vdb")
         recipe = self.info("m.vdb")["recipe"]
@@ -156,6 +162,7 @@ class Sets(Maps):
         self.ok("fractal", "--map", "cross", "--scheme", 5, *LOW, "-o", "m.vdb")
         self.assertEqual(self.info("m.vdb")["recipe"]["c"], "-1,0,0")
 
+    # Promise: "f x g of the pair A is the square ..."
     def test_mandelbulbs_of_power_2_are_pair_a(self):
         one = self.fractal("--map", "cross", "--pair", "A", "--iterations", 6, *LOW)
         two = self.fractal("--map", "mandelbulb", "--power", 2, "--iterations", 6, *LOW)
@@ -188,6 +195,8 @@ class Sets(Maps):
                            "-sin2theta/cos2phi, 0, cos2theta", *LOW)
         self.assertAlmostEqual(harness.volume_of(own), harness.volume_of(a), delta=1e-3 * harness.volume_of(a))
 
+    # Promise of sets.md: "the lattice of a `cross` set is shifted by less than a thousandth of a voxel; the transform of its VDB
+    #   has the shift, and so have its vertices", and is in one piece
     def test_the_shift_off_the_nodes_is_less_than_a_thousandth_of_a_voxel(self):
         """The transform of a grid has it, and the map's own centre stays where it is."""
         for pair in PAIRS:
@@ -198,6 +207,7 @@ class Sets(Maps):
             self.assertGreater(min(map(abs, zero)), 0, pair)
             self.assertLess(max(map(abs, zero)), 1e-3 * told["grids"][0]["voxel size"][0], pair)
 
+    # Promise: "the lattice of a `cross` ..."
     def test_a_pair_with_undefined_planes_is_in_one_piece(self):
         """A is outside where |x| = |y|: without volume, that must not take the shape apart."""
         mesh = self.fractal("--map", "cross", "--pair", "A", "--iterations", 4, *LOW)
@@ -237,6 +247,7 @@ class BadInput(Maps):
         self.all_refused(USAGE, [("fractal", "-o", "x.vdb", *LOW, *map_, f"--{option}={value}")
                                  for map_, option, value in cases])
 
+    # Promise: Every map has the options, defaults ...
     def test_options_of_another_map(self):
         cases = {("--map", "cross"): ("--power=2", "--theta=pole", "--mandelbrot", "--escape=20", "--slice=0.1",
                                       "--drop-axis=i", "--c=-1,0,0", "--scheme=3 --c=-1,0,0"),
@@ -270,6 +281,7 @@ class BadInput(Maps):
         self.refused(USAGE, "fractal", "--map", "cross", "--pair", "user", *LOW, "-o", "x.vdb", mentions="--f")
         self.refused(USAGE, "fractal", "--map", "cross", "--pair", "B", *USER, *LOW, "-o", "x.vdb", mentions="--f")
 
+    # Promise: "An empty result is an error, not ..."
     def test_an_empty_set(self):
         self.refused(BAD_DATA, "fractal", "--map", "cross", "--scheme", 5, "--c", "0,0,1.9", "--iterations", 50, *LOW,
                      "-o", "x.vdb", mentions="empty")

@@ -56,6 +56,8 @@ class Motion(harness.TextureTest):
         self.write("r.obj", harness.obj(self.rest))
         self.write("t.obj", harness.obj(self.pose))
 
+    # Promise of motion.md: "no node is skipped that would change the result, tiles give the bytes of one run, and so does any
+    #   number of threads" where a target moves
     def test_the_same_in_all_ways(self):
         for family in ((), ("--texture", "fur", "--grain", "along", "--rest-depth", "kept"),
                        ("--texture", "random", "--detail", "y:0.2:0.5")):
@@ -131,6 +133,7 @@ class Motion(harness.TextureTest):
                      mentions=("s.0001.obj", "frame 1"))
         self.assertFalse(self.path("c.-0001.vdb").exists())
 
+    # Promise: "one that is missing or broken ..."
     def test_all_files_of_a_sequence_are_looked_at_first(self):
         for frame in (1, 2, 3):
             self.write(f"s.{frame}.obj", harness.obj(bent(self.rest, 10 * frame)))

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
+# Promise of design.md: A file that has moved is found "beside the one that holds the recipe, or below a folder that `--search`
+#   names", by its SHA-256 alone, and "a line says where"
 """Recipes whose files are somewhere else than they were."""
 
 import shutil

@@ -54,6 +54,7 @@ class NanoVdb(harness.CliTest):
             greatest = max(greatest, *(abs(a - b) for a, b in zip(*both)))
         return greatest
 
+    # Promise of handoff.md: The grids of a NanoVDB file "keep the names, voxels and transforms of the VDB"
     def test_the_voxels_are_those_of_the_vdb(self):
         """For all grids, whether they are written at once or converted."""
         words = ("fractal", "t.obj", *LOW, "--iterations", 4, "--grids", "surface,density,versor", "--attributes", "iterations")
@@ -86,6 +87,7 @@ class NanoVdb(harness.CliTest):
             self.assertEqual(self.bytes(name), self.bytes("one.nvdb"), name)
         self.assertEqual(self.bytes("m.ply"), self.bytes("one.ply"))
 
+    # Promise of handoff.md: Of a NanoVDB file of fewer bits "the program reports the largest error of an active voxel"
     def test_how_far_values_are_off_is_said(self):
         self.ok("sdf", "t.obj", "-o", "t.vdb", "--resolution", 40)
         exact, = self.grids("t.vdb").values()
@@ -108,6 +110,7 @@ class NanoVdb(harness.CliTest):
         self.assertGreater(sizes[1], sizes[2])
         self.assertGreater(sizes[2], sizes[3] * 0.5)
 
+    # Promise: The grids of a NanoVDB file ...
     def test_what_is_shown_is_what_nanovdb_prints(self):
         self.ok("fractal", "t.obj", *LOW, "--iterations", 3, "--grids", "surface,density", "-o", "t.nvdb")
         printed = self.tool("nanovdb_print", "t.nvdb")
@@ -121,6 +124,7 @@ class NanoVdb(harness.CliTest):
         shown = self.ok("info", "t.nvdb", data=True)
         self.assertIn("checksum: fits", shown)
 
+    # Promise: The grids of a NanoVDB file ...
     def test_axes(self):
         """--up turns the transform, as in a VDB. nanovdb_convert 10.0.1 transposes a rotation; the box of the active voxels is
         what NanoVDB itself makes of the transform."""
@@ -168,6 +172,7 @@ class NanoVdb(harness.CliTest):
         self.ok("points", "t.obj", "-o", "p.vdb", "--points", 50)
         self.refused(BAD_DATA, "convert", "p.vdb", "-o", "u.nvdb", mentions="NanoVDB")
 
+    # Promise of handoff.md: `info` of a NanoVDB file "checks every size, the place of every node and the checksums"
     def test_damaged_files_are_refused(self):
         self.ok("sdf", "t.obj", "-o", "t.nvdb", "--resolution", 16)
         whole = self.bytes("t.nvdb")

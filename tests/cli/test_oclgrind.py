@@ -15,6 +15,7 @@ OCLGRIND = pathlib.Path("/usr/lib/oclgrind/liboclgrind-rt-icd.so")
 @unittest.skipUnless("JULIAVDB_FAKE_LOADER" in os.environ, "there is no loader of OpenCL")
 class UnderOclgrind(test_device.Devices):
 
+    # Promise of gpu.md: Oclgrind "found no data race, no value that is read before it is written, and no access out of bounds"
     def test_no_kernel_races_or_reads_what_is_not_there(self):
         """Of symmetric waves and of roots, in floats and in doubles, points and edges."""
         os.mkdir(self.path("vendors"))

@@ -367,6 +367,7 @@ class Options(harness.CliTest):
         with concurrent.futures.ThreadPoolExecutor(workers) as pool:
             return list(pool.map(work, enumerate(jobs)))
 
+    # Promise of architecture.md: "Where an option can do nothing", an option is refused, with the reason and what else to give
     def test_every_option_acts_or_is_refused(self):
         jobs, of_fractals = [], self.options_of("fractal")
         for command, runs in RUNS.items():
@@ -406,6 +407,7 @@ class Refusals(harness.CliTest):
         super().setUp()
         self.write("s.obj", harness.obj(harness.sphere(2)))
 
+    # Promise: "Where an option can do nothing", an option ...
     def test_a_refusal_names_the_option_the_reason_and_the_way_out(self):
         run = ("fractal", "s.obj", "-o", "f.vdb", *LOW)
         self.refused(USAGE, *run, "--seed-stride", 2, mentions=("--seed-stride", "--follow", "leave it out"))
@@ -414,6 +416,7 @@ class Refusals(harness.CliTest):
         self.refused(USAGE, *run, "--mesh", "f.ply", "--lod", "100%,10%", mentions=("--lod", "GLB"))
         self.refused(USAGE, "fractal", "s.obj", "--mesh", "f.ply", *LOW, "--half", mentions=("--half", "VDB"))
 
+    # Promise of architecture.md: "What comes from a recipe may do nothing"
     def test_a_recipe_that_is_read_back_may_say_what_has_no_effect(self):
         """Only what is typed is refused: a file's recipe holds all defaults, and serves other outputs."""
         said = ("--grids", "surface,density", "--half", "--adaptivity", 0.2, "--follow", "--seed-stride", 4, "--box", BOX, "--cap")
@@ -427,6 +430,7 @@ class Refusals(harness.CliTest):
         self.write("list.txt", "half = true\ncap = true\n")
         self.ok("fractal", "s.obj", "--config", "list.txt", "--mesh", "listed.stl", *LOW)
 
+    # Promise: "Where an option can do nothing", an option ...
     def test_a_plan_refuses_what_one_run_refuses(self):
         """Tiles, frames and cells are fractals, and their options have the same effects."""
         self.ok("sheet", "s.obj", "-o", "x.png", "--vary", "alpha=20,40", "--size", "20x20", *LOW)
@@ -478,6 +482,7 @@ class Refusals(harness.CliTest):
         self.write("both.txt", "texture-seed = 4\nversor-seed = 4\n")
         self.refused(USAGE, *run, "--config", "both.txt", "-o", "x.vdb", mentions="twice")
 
+    # Promise: "Where an option can do nothing", an option ...
     def test_keys_and_varied_options_act_too(self):
         self.refused(USAGE, "fractal", "s.obj", *LOW, "--key", "seed-stride@1=4", "--frames", "1-2", "-o", "f.####.vdb",
                      mentions=("--seed-stride", "--follow"))
@@ -487,6 +492,7 @@ class Refusals(harness.CliTest):
         self.ok("fractal", "s.obj", *LOW, "--key", "texture@1=scales", "--key", "texture@2=random", "--ease", "step",
                 "--texture-seed", 3, "--frames", "1-2", "-o", "f.####.vdb")
 
+    # Promise of farm.md: A plan's folder that cannot be made is refused "before the plan is computed"
     def test_a_plan_finds_at_once_that_its_folder_cannot_be_made(self):
         """Before any work: a target that cannot be used is not even looked at."""
         self.write("open.obj", harness.obj(harness.with_hole(harness.sphere(2))))
@@ -495,6 +501,7 @@ class Refusals(harness.CliTest):
         self.refused(harness.BAD_DATA, "plan", "tiles", "open.obj", "-o", "new/plan", *LOW)
         self.assertFalse(self.path("new").exists())
 
+    # Promise of design.md: "A file that cannot be read does not keep `info` from the others"
     def test_info_shows_every_file_that_it_can(self):
         self.write("bad.obj", "f 1 2 3\n")
         self.write("t.obj", harness.obj(harness.torus()))
@@ -508,6 +515,7 @@ class Refusals(harness.CliTest):
 
 class Numbers(harness.CliTest):
 
+    # Promise: "Messages have numbers of four ..."
     def test_messages_have_no_digits_that_mean_nothing(self):
         """No number of what a run says has more than four significant digits, but for whole numbers."""
         self.write("s.obj", harness.obj(harness.lumpy()))
@@ -527,6 +535,7 @@ class Numbers(harness.CliTest):
                 with self.subTest(words=words, said=said):
                     self.assertLessEqual(len(number.replace(".", "").lstrip("0")), 4, number)
 
+    # Promise of controls.md: With `--box` the share that is left is "of the part of the target within the box"
     def test_a_box_is_compared_with_the_part_of_the_target_in_it(self):
         self.write("s.obj", harness.obj(harness.sphere(3)))
         shares = []

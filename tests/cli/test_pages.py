@@ -33,6 +33,7 @@ class Pages(harness.CliTest):
         text = self.ok("--help", data=True)
         return re.findall(r"^  (\w+) ", text.split("Commands:")[1], re.MULTILINE)
 
+    # Promise: "Every command has a `--help` ..."
     def test_every_command_has_a_page_with_all_its_options(self):
         names = [p.stem for p in self.path("man1").iterdir()]
         self.assertIn("juliavdb", names)

@@ -75,6 +75,7 @@ class Painting(harness.CliTest):
         text = self.refused(BAD_DATA, "fractal", "ball.vdb", "--alpha", "paint:red:8:300", *SMALL[:2], "--mesh", "b.ply")
         self.assertIn("paint:red@FILE", text)
 
+    # Promise: "At every place the value ..."
     def test_an_open_mesh_that_is_repaired(self):
         points, faces = harness.with_hole(self.ball, 0.95)
         self.write("open.ply", painted_ply((points, faces), ["uchar red"], lambda p: (255 if p[0] > 0 else 0,)))
@@ -82,6 +83,7 @@ class Painting(harness.CliTest):
         rough, smooth = self.sides("a.ply", 0)
         self.assertGreater(rough, 4 * smooth)
 
+    # Promise: Attributes and pictures have ...
     def test_a_picture_through_texture_coordinates(self):
         # Seen along z, the picture's lower half is black.
         points, faces = self.ball
@@ -101,6 +103,7 @@ class Painting(harness.CliTest):
             rough, smooth = self.sides("a.ply", 1)
             self.assertGreater(rough, 4 * smooth, name)
 
+    # Promise: OpenImageIO's "own decoders of other ..."
     def test_a_picture_that_cannot_be_used(self):
         self.write("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
                                "f 1/1 3/3 2/2\nf 1/1 2/2 4/3\nf 1/1 4/3 3/2\nf 2/1 3/2 4/3\n")
@@ -121,6 +124,7 @@ class Painting(harness.CliTest):
         huge = huge.replace(huge[header + 17:header + 21], struct.pack(">I", zlib.crc32(huge[header:header + 17])))
         check("huge.png", huge, INTERNAL, "scale the picture down", ("--memory", "2G"))
 
+    # Promise: The distance to a brush: NEAR ...
     def test_another_mesh_as_the_brush(self):
         self.write("brush.obj", harness.obj(harness.sphere(2, 0.5, (1, 0, 0))))
         self.make("a.ply", "near:brush.obj:0.3:8:300")
@@ -135,12 +139,14 @@ class Painting(harness.CliTest):
         rough, smooth = self.sides("b.ply", 1)
         self.assertGreater(rough, 2 * smooth)
 
+    # Promise of controls.md: "A variable of the table takes precedence over an attribute of the same name"
     def test_a_variable_goes_before_an_attribute_of_its_name(self):
         for name in ("height", "wet"):
             self.write("h.ply", painted_ply(self.ball, [f"float {name}"], lambda p: (0,)))
             self.ok("fractal", "h.ply", *SMALL, "--mask", "expr:height", "--mesh", f"{name}.stl")
         self.assertEqual(self.bytes("height.stl"), self.bytes("wet.stl"))
 
+    # Promise of controls.md: "Every file that a source names is recorded in the result with its SHA-256"
     def test_recipes_name_the_file_and_its_content(self):
         self.write("brush.obj", harness.obj(harness.sphere(2, 0.5, (1, 0, 0))))
         self.ok("fractal", "ball.ply", "--alpha", "near:brush.obj:0.3:8:300", *SMALL, "-o", "a.vdb")
@@ -152,12 +158,14 @@ class Painting(harness.CliTest):
         self.write("brush.obj", harness.obj(harness.sphere(2, 0.4, (1, 0, 0))))
         self.refused(BAD_DATA, "fractal", "--config", "a.vdb", "-o", "c.vdb", mentions="has changed")
 
+    # Promise: "The same recipe gives the same ..."
     def test_threads_leave_no_trace(self):
         for alpha in ("paint:slope:8:300", "expr:150 + 100 * sin(9 * x) * ny"):
             self.make("one.ply", alpha, "--threads", 1)
             self.make("three.ply", alpha, "--threads", 3)
             self.assertEqual(self.bytes("one.ply"), self.bytes("three.ply"), alpha)
 
+    # Promise: "A wrong name is refused ..."
     def test_bad_input(self):
         def case(alpha):
             return ("fractal", "ball.ply", "--alpha", alpha, *SMALL, "-o", "a.vdb")

@@ -68,6 +68,8 @@ class Inputs(PipeTest):
                 names.append("b.3mf")
         return names
 
+    # Promise of usage.md: A mesh of any format from a pipe is as good as one from a file, and the recipe finds it again; "A pipe
+    #   brings no second file"
     def test_a_pipe_is_as_good_as_a_file(self):
         for name in self.write_all_formats():
             with self.subTest(name=name):
@@ -82,6 +84,7 @@ class Inputs(PipeTest):
                 self.ok("fractal", name, "--mesh", "named.ply", "-o", "named.vdb", *LOW)
                 self.assertEqual(*(self.surface(harness.read_ply(self.bytes(each))) for each in ("piped.ply", "named.ply")))
 
+    # Promise: A mesh of any format from a pipe ...
     def test_a_pipe_brings_no_other_files(self):
         content = json.loads(gltf(self.mesh))
         buffer, = content["buffers"]
@@ -127,6 +130,7 @@ class Inputs(PipeTest):
                                 preexec_fn=lambda: os.close(0), capture_output=True)
         self.check_refusal(closed, NO_INPUT, "info - <&-")
 
+    # Promise: A mesh of any format from a pipe ...
     def test_a_recipe_says_that_its_target_was_piped(self):
         self.piped("b.ply", "fractal", "-", "-o", "f.vdb", *LOW)
         self.refused(NO_INPUT, "fractal", "--config", "f.vdb", "-o", "g.vdb", mentions=("pipe", "--search"))
@@ -139,6 +143,7 @@ class Inputs(PipeTest):
 
 class Outputs(PipeTest):
 
+    # Promise of usage.md: "Nothing else goes there"
     def test_the_standard_output_gets_the_bytes_of_the_file(self):
         for name, file in (("-", "f.ply"), ("-.ply", "f.ply"), ("-.obj", "f.obj")):
             self.ok("fractal", "b.obj", "--mesh", file, *LOW)
@@ -150,6 +155,7 @@ class Outputs(PipeTest):
         self.assertNotIn("-", self.listing())
         self.assertNotIn("-.obj", self.listing())
 
+    # Promise: "Nothing else goes there"
     def test_programs_in_a_row(self):
         """The mesh of one is the target of the next, and no file stands between them."""
         first = subprocess.Popen([harness.program(), "fractal", "b.obj", "--mesh", "-", *map(str, LOW)], cwd=self.folder,
@@ -164,6 +170,7 @@ class Outputs(PipeTest):
         self.assertEqual(said["triangles"], len(harness.read_ply(self.bytes("f.ply"))[1]))
         self.assertEqual(said["recipe"]["command"], "fractal")
 
+    # Promise: "Nothing else goes there"
     def test_it_is_written_behind_what_stands_there(self):
         self.ok("fractal", "b.obj", "--mesh", "f.ply", *LOW)
         with open(self.path("log"), "wb") as log:
@@ -173,6 +180,7 @@ class Outputs(PipeTest):
         self.assertEqual(run.returncode, DONE, run.stderr)
         self.assertEqual(self.bytes("log"), b"before\n" + self.bytes("f.ply"))
 
+    # Promise of usage.md: "an earlier failure leaves it empty"; "one line and exit code 74, and writes none of its other files"
     def test_a_failure_writes_nothing(self):
         self.refused(BAD_DATA, "fractal", "b.obj", "--mesh", "-", "--box", "8,8,8,9,9,9", *LOW)
         for words in (("-o", "-"), ("--mesh", "-", "-o", "-")):
@@ -184,6 +192,7 @@ class Outputs(PipeTest):
             run = self.run_program("fractal", "b.obj", "--mesh", "-", *LOW, stdout=target)
         self.check_refusal(run, USAGE, "fractal b.obj --mesh - >> b.obj")
 
+    # Promise: "an earlier failure leaves ..."
     def test_a_reader_that_is_gone(self):
         """One line, the code of a failed write, and no other output of the command."""
         reader, writer = os.pipe()
@@ -206,6 +215,7 @@ class Recipes(PipeTest):
         self.assertEqual(self.ok("recipe", name, data=True), self.bytes(to).decode())
         return json.loads(self.bytes(to))
 
+    # Promise of usage.md: "`--recipe R.json` makes the same again"
     def test_a_file_and_its_recipe_make_the_same(self):
         """Of each kind of file that holds a recipe, by both names of the option."""
         self.write("p.png", b"")
@@ -224,6 +234,7 @@ class Recipes(PipeTest):
         self.assertEqual(self.info("r.json")["recipe"], told)
         self.assertEqual(self.recipe("r.json", "again.json")["recipe"], self.recipe("f.vdb")["recipe"])
 
+    # Promise: "`--recipe R.json` makes the same again"
     def test_distances_have_recipes_too(self):
         self.ok("sdf", "b.obj", "-o", "s.vdb", "--resolution", 24)
         self.assertEqual(self.recipe("s.vdb")["command"], "sdf")
@@ -270,6 +281,7 @@ class Recipes(PipeTest):
         self.refused(USAGE, "recipe", "f.vdb", "-o", "b.obj")
         self.refused(USAGE, "recipe", "f.vdb", "-o", "r.txt", mentions=".json")
 
+    # Promise of usage.md: "every option must exist, and its value must be a text"
     def test_damaged_recipes(self):
         self.ok("fractal", "b.obj", "-o", "f.vdb", *LOW)
         good = self.recipe("f.vdb")

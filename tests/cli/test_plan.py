@@ -25,6 +25,7 @@ class PlanTest(harness.CliTest):
 
 class Frames(PlanTest):
 
+    # Promise: A sequence has "the same ..."
     def test_a_frame_is_what_fractal_makes_of_its_values(self):
         self.ok("plan", "frames", "s.obj", *LOW, "--frames", "1-4", *KEYS, "--key", "texture-translate@2=0,0,0",
                 "--key", "texture-translate@4=0.5,-1,0", "--ease", "texture-translate=smooth", "--make", "vdb,ply,stl",
@@ -64,6 +65,7 @@ class Frames(PlanTest):
         self.assertIn("recipe of task 1", self.check_refusal(run, BAD_DATA, "task p --index 1"))
         self.ok("task", "p", "--index", 2)
 
+    # Promise: A sequence has "the same ..."
     def test_each_frame_has_its_own_target(self):
         for frame, radius in ((8, 1), (9, 1.5), (10, 2)):
             self.write(f"in.{frame:04}.obj", harness.obj(harness.sphere(2, radius)))
@@ -100,6 +102,7 @@ class Frames(PlanTest):
         self.ok("fractal", "--config", "f.vdb", "--texture-seed", 3, "-o", "x.vdb")
         self.assertSameFile("p/out/s.0002.vdb", "x.vdb")
 
+    # Promise: A plan's folder that cannot ...
     def test_refusals(self):
         frames = ("plan", "frames", "s.obj", *LOW, "-o", "p")
         self.all_refused(USAGE, [
@@ -141,6 +144,7 @@ class Cells(PlanTest):
         self.ok("sheet", "s.obj", *LOW, "--size", "16x16", "--samples", 1, "--vary", "alpha=20,wrong,40,60", "-o",
                 "x.png")
 
+    # Promise of farm.md#sequences-and-contact-sheets: Cells of a sheet as tasks are what their recipes make
     def test_a_task_is_what_fractal_makes_of_the_cell(self):
         self.ok("plan", "sheet", "x.json#3-4,1", "--make", "vdb,obj", "-o", "p")
         self.ok("task", "p", "--range", "1-9")
@@ -151,6 +155,7 @@ class Cells(PlanTest):
         self.assertEqual([task["writes"] for task in self.plan("p")["tasks"]],
                          [[f"out/x.000{cell}.vdb", f"out/x.000{cell}.obj"] for cell in (1, 3, 4)])
 
+    # Promise: Cells of a sheet as tasks ...
     def test_options_stand_over_those_of_the_cells(self):
         self.ok("plan", "sheet", "x.json", "--resolution", 26, "--beta", 0.01, "-o", "p")
         self.assertEqual(len(self.plan("p")["tasks"]), 3, "the cell with an error is left out")

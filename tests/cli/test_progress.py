@@ -68,6 +68,8 @@ class Progress(harness.CliTest):
         self.assertTrue(end["messages"][0].startswith("wrote " + ", ".join(names)), end["messages"])
         return end
 
+    # Promise of progress.md: `--progress json`: an object a line, a share that "never falls, and is 1 at the end of a success",
+    #   and an `end` after a failure and after Ctrl-C
     def test_every_command(self):
         end = self.finished(["d.vdb"], "sdf", "s.obj", "-o", "d.vdb", "--resolution", 32)
         self.assertEqual(f"{end['counts']['voxels']} voxels", end["messages"][0].split(": ")[1].rsplit(" of ", 1)[0])
@@ -106,6 +108,7 @@ class Progress(harness.CliTest):
         shares = [event["share"] for event in events if event.get("phase", "").endswith("cell 1 of 3")]
         self.assertTrue(shares and max(shares) <= 0.34, shares)
 
+    # Promise: `--progress json`: an object ...
     def test_failures(self):
         self.write("bad.ply", harness.ply(harness.cube(), count=1000000))
         self.write("leaky.obj", harness.obj(harness.with_hole(harness.sphere(3))))
@@ -121,6 +124,7 @@ class Progress(harness.CliTest):
             self.assertEqual(end["written"], [])
             self.assertLess(end["share"], 1)
 
+    # Promise: `--progress json`: an object ...
     def test_interruption(self):
         words = ("fractal", "s.obj", "-o", "x.vdb", "--resolution", 1000, "--alpha", 6, "--sdf-resolution", 32)
         process = subprocess.Popen([harness.program(), *map(str, words), "--progress=json"], cwd=self.folder,
@@ -145,6 +149,7 @@ class Progress(harness.CliTest):
         json.loads(run.stdout)
         self.assertEqual([json.loads(line)["event"] for line in run.stderr.decode().splitlines()][-1], "end")
 
+    # Promise: `--progress json`: an object ...
     def test_the_page_names_every_field(self):
         page = PAGE.read_text()
         fields = set()
@@ -168,6 +173,7 @@ class Talk(harness.CliTest):
         self.assertEqual(run.returncode, 0, run.stderr)
         return run.stderr.decode()
 
+    # Promise of usage.md: "`--quiet` prints warnings and failures only"
     def test_quiet_leaves_warnings(self):
         usual = self.said(*self.words)
         made = self.bytes("p.stl")
@@ -178,6 +184,7 @@ class Talk(harness.CliTest):
         self.assertEqual(self.said("sdf", "ball.obj", "-o", "s.vdb", "--resolution", 20, "--quiet"), "")
         self.refused(NO_INPUT, "sdf", "none.obj", "-o", "s.vdb", "--quiet", mentions="none.obj")
 
+    # Promise of usage.md: "`--verbose` also prints how long each phase took"
     def test_verbose_adds_what_it_took(self):
         usual, verbose = self.said(*self.words), self.said(*self.words, "--verbose")
         self.assertTrue(verbose.startswith(usual), verbose)

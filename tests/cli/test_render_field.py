@@ -53,6 +53,7 @@ class RenderField(harness.CliTest):
                     # The background is neutral, the colours of directions are not.
                     self.assertEqual(max(r, g, b) - min(r, g, b) > 2, off < radius, (x, y))
 
+    # Promise: `render --field`: skipped space ...
     def test_nothing_but_what_was_asked_for_changes_the_picture(self):
         for name in ("a.exr", "a.png"):
             self.ok(*JULIA, *SMALL, "-o", name)

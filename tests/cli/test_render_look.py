@@ -40,6 +40,8 @@ class RenderLook(harness.CliTest):
                     ("--background", "#203040"), ("--exposure", 1), ("--background", "none"))}
                 self.assertEqual(len(made), 9)
 
+    # Promise of pictures.md: "the same command gives the same bytes, for any number of threads", and what is said anyway changes
+    #   nothing
     def test_what_is_said_anyway_changes_nothing(self):
         for kind, command in self.kinds.items():
             with self.subTest(kind=kind):
@@ -48,6 +50,7 @@ class RenderLook(harness.CliTest):
                              ("--instructions", "portable")):
                     self.assertEqual(self.picture(*command, *same), plain, same)
 
+    # Promise: `--background none`: a picture with alpha
     def test_alpha(self):
         for kind, command in self.kinds.items():
             with self.subTest(kind=kind):
@@ -74,6 +77,8 @@ class RenderLook(harness.CliTest):
         for command in self.kinds.values():
             self.refused(USAGE, *command, "--passes", "ao", "-o", "x.png", mentions="EXR")
 
+    # Promise of pictures.md#sequences: A turntable is made of stills; keys and files of a sequence give the pictures that stills
+    #   have
     def test_a_turntable_is_made_of_stills(self):
         for kind, command in self.kinds.items():
             with self.subTest(kind=kind):
@@ -92,6 +97,7 @@ class RenderLook(harness.CliTest):
                 for frame in range(1, 5):
                     self.assertEqual(self.bytes(f"u.{frame:04}.png"), self.bytes(f"t.{frame:04}.png"))
 
+    # Promise: A turntable is made of stills; keys ...
     def test_keys_of_the_camera_and_the_light(self):
         for kind, command in self.kinds.items():
             with self.subTest(kind=kind):
@@ -101,6 +107,7 @@ class RenderLook(harness.CliTest):
                     still = self.picture(*command, "--zoom", zoom, "--light", light)
                     self.assertEqual(self.bytes(f"k.{frame:04}.png"), still, frame)
 
+    # Promise: A turntable is made of stills; keys ...
     def test_a_sequence_of_files(self):
         for frame in (1, 2):
             self.ok("fractal", "s.obj", "-o", f"g.{frame:04}.vdb", "--mesh", f"g.{frame:04}.ply", "--detail", 0.2 * frame, *LOW)

@@ -98,6 +98,8 @@ class Resources(harness.CliTest):
         self.assertEqual(left, [], words)
         return run.returncode
 
+    # Promise of reliability.md: "Work that is known not to fit into the memory is refused with exit code 70, and with both
+    #   figures and a way out"
     def test_absurd_sizes(self):
         for words in ABSURD:
             with self.subTest(words=words):
@@ -106,6 +108,7 @@ class Resources(harness.CliTest):
                 self.ends(run, {USAGE, BAD_DATA, INTERNAL}, words)
                 self.assertLess(harness.ended_children() - begin, 30, "a refusal comes before the work")
 
+    # Promise: "Work that is known not to fit ..."
     def test_a_refusal_says_the_figures_and_a_way_out(self):
         words = ("sdf", "s.obj", "-o", "x.vdb", "--resolution", 2500)
         line = r"at least [\d.]+ [MGT]iB of memory, but .* leaves [\d.]+ ([KMG]iB|bytes); use .*--resolution"
@@ -118,6 +121,7 @@ class Resources(harness.CliTest):
                                       "--memory", "200M"),
                          "--size")
 
+    # Promise: "Work that is known not to fit ..."
     def test_another_limit(self):
         words = ("sdf", "s.obj", "-o", "x.vdb", "--resolution", 300)
         small = {"JULIAVDB_MEMORY": "1M"}
@@ -127,6 +131,7 @@ class Resources(harness.CliTest):
             self.refused(USAGE, *words, f"--memory={text}" if text else "--memory=", mentions="--memory")
         self.refused(USAGE, *words, env={"JULIAVDB_MEMORY": "much"}, mentions="JULIAVDB_MEMORY")
 
+    # Promise: "Work that is known not to fit ..."
     def test_tiles_of_a_target(self):
         """A small file may hold any number of voxels in its tiles, which all take memory where they are needed."""
         grid = pyopenvdb.FloatGrid(1.0)
@@ -137,6 +142,7 @@ class Resources(harness.CliTest):
             text = self.refused(INTERNAL, *words, "--memory", "500M", mentions="tiles would take at least 1.0")
             self.assertIn("smaller file", text)
 
+    # Promise: "Work that is known not to fit ..."
     def test_files_larger_than_the_memory(self):
         """They are refused before they are read. These have no blocks on the disk, and begin like what they are called."""
         readers = {"x.obj": ("info", "x.obj"), "x.ply": ("info", "x.ply"), "x.stl": ("sdf", "x.stl", "-o", "o.vdb"),
@@ -165,6 +171,7 @@ class Resources(harness.CliTest):
         self.assertEqual(process.returncode, DONE, words)
         return usage.ru_maxrss * 1024
 
+    # Promise of reliability.md: "a run that fits is not refused"
     def test_what_fits_is_not_refused(self):
         """The most that a run takes is enough for it; much less is not."""
         for name, (words, known) in SIZED.items():
@@ -175,6 +182,7 @@ class Resources(harness.CliTest):
                 share = int(0.5 * base + known * (peak - base)) // 1024
                 self.refused(INTERNAL, *words, "--memory", f"{share}K", mentions="at least")
 
+    # Promise: "Where an allocation fails ..."
     def test_limits_of_every_size(self):
         """From what the program cannot even begin with to enough."""
         words = ("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.ply", "--resolution", 150, "--sdf-resolution", 40,
@@ -194,6 +202,7 @@ class Resources(harness.CliTest):
         self.assertIn(INTERNAL, codes)
         self.assertIn(DONE, codes)
 
+    # Promise: "Where an allocation fails ..."
     def test_limits_that_are_just_too_low(self):
         """What is short at the very end, when all is written, is no failure any more."""
         words = harness.quiet(("sdf", "s.obj", "-o", "x.vdb", "--resolution", 60, "--threads", 1))
@@ -210,6 +219,7 @@ class Resources(harness.CliTest):
                  for below in range(100, 8000, 80 if EVERY else 500)}
         self.assertIn(INTERNAL, codes)
 
+    # Promise: "Where an allocation fails ..."
     def test_limits_where_pictures_are_read_and_written(self):
         """The libraries for pictures are many and large, and some of them crash where they do not fit."""
         self.ok("slice", "s.obj", "-o", "ramp.exr", "--size", 20, *QUICK)
@@ -235,6 +245,7 @@ class Resources(harness.CliTest):
             self.skipTest("JULIAVDB_FAULT_SHIM does not name the library that makes calls fail")
         return name
 
+    # Promise: "Where an allocation fails ..."
     def test_the_last_of_the_machine_is_not_taken(self):
         """A run that was let in ends before the system has to kill something."""
         meminfo = self.path("meminfo")
@@ -258,6 +269,8 @@ class Resources(harness.CliTest):
                 codes.add(self.ends(run, {DONE, INTERNAL}, f"{threads} threads, {size} bytes"))
             self.assertEqual(codes, {DONE, INTERNAL})
 
+    # Promise of reliability.md: "Where an allocation fails all the same, in whatever thread, the program exits with 70 and one
+    #   line, and writes nothing"
     def test_allocations_that_fail(self):
         shim = self.shim()
         commands = (("fractal", "s.obj", "-o", "x.vdb", "--mesh", "x.glb", "--resolution", 24, "--sdf-resolution", 24),

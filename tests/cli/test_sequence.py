@@ -22,6 +22,7 @@ class Sequences(harness.CliTest):
     def frames(self, *numbers):
         return {f"g.{n:04}{kind}": self.bytes(f"g.{n:04}{kind}") for n in numbers for kind in (".vdb", ".ply")}
 
+    # Promise of farm.md: A sequence has "the same bytes as a plan" of frames, and as each frame alone
     def test_frames_are_those_of_a_plan(self):
         self.assertIn("kept 0 of 4 frames", self.make("--frames", "1-4"))
         self.ok("plan", "frames", "lumpy.obj", "-o", "plan", "--make", "vdb,ply", "--frames", "1-4", *KEYS, *SMALL)
@@ -29,6 +30,7 @@ class Sequences(harness.CliTest):
         for name, content in self.frames(1, 2, 3, 4).items():
             self.assertEqual(content, self.bytes("plan/out/" + name.replace("g.", "lumpy.")), name)
 
+    # Promise: "What was made before changes ..."
     def test_a_frame_does_not_depend_on_those_that_were_made_before(self):
         """In any order, after a resumption, and by itself."""
         self.write("snowman.obj", harness.obj(harness.snowman()))
@@ -52,6 +54,8 @@ class Sequences(harness.CliTest):
         for name, content in made.items():
             self.assertTrue(content == self.bytes("plan/out/" + name.replace("g.", "snowman.")), name)
 
+    # Promise of farm.md: A frame that is there and "hold the frame's recipe, the hashes of its inputs and this version of the
+    #   program, is kept"
     def test_only_what_is_missing_broken_or_other_is_made(self):
         self.make("--frames", "1-4")
         made = self.frames(1, 2, 3, 4)
@@ -70,6 +74,8 @@ class Sequences(harness.CliTest):
             target.write("# another file\n")
         self.assertIn("kept 0 of 1 frame", self.make("--frames", "4"))
 
+    # Promise: A frame that is there and "hold ..."
+    # Promise of farm.md: "STL has no place for a recipe, so its frames are always made"
     def test_frames_are_kept_where_the_file_holds_the_recipe(self):
         """An STL has no place for one. What is cut off is made again in every format."""
         for kind, kept in (("glb", 2), ("obj", 2), ("ply", 2), ("stl", 0)):
@@ -81,6 +87,8 @@ class Sequences(harness.CliTest):
             self.assertIn(f"kept {max(0, kept - 1)} of 2 frames", self.ok(*words), kind)
             self.assertEqual(self.bytes(f"k.0001.{kind}"), first)
 
+    # Promise: A sequence has "the same ..."
+    # Promise of farm.md: "one that is missing or broken is named with its frame" before the first frame is made
     def test_targets_with_a_file_for_each_frame(self):
         text = self.path("lumpy.obj").read_text()
         for frame in (1, 3, 5):
@@ -93,6 +101,7 @@ class Sequences(harness.CliTest):
                              *SMALL, mentions=("7 inputs", "in.0002.obj", "in.0004.obj", "in.0006.obj"))
         self.assertNotIn("in.0007.obj", error)
 
+    # Promise of farm.md: "`--resolution` counts the voxels of the largest target, and all frames have voxels of that one size"
     def test_targets_of_several_sizes_share_the_voxels_of_the_largest(self):
         points, faces = harness.torus(around=24, across=12)
         for frame, scale in ((1, 1), (2, 3), (3, 2)):
@@ -112,6 +121,8 @@ class Sequences(harness.CliTest):
         self.assertEqual({str(self.info(f"given.{frame}.vdb")["grids"][0]["voxel size"]) for frame in (1, 2, 3)},
                          {str([0.3] * 3)})
 
+    # Promise of farm.md: "The first frame that fails ends the sequence, with its exit code and its number", or `--keep-going`
+    #   makes the others
     def test_a_failure_names_its_frame(self):
         words = ("fractal", "lumpy.obj", "-o", "g.####.vdb", "--frames", "1-3", "--key", "beta@1=0.01", "--key",
                  "beta@2=-0.5", "--key", "beta@3=0.01", "--alpha", 40, "--progress", "none", *SMALL)
@@ -138,6 +149,7 @@ class Sequences(harness.CliTest):
                                ((*base, "--frames", "1-2", "--key", "alpha@1=x"), "frame 1")):
             self.refused(harness.USAGE, *words, mentions=(mention,))
 
+    # Promise: If nothing changes, "the program ..."
     def test_a_list_without_keys_holds_the_frame(self):
         """Also between keys: frames with the same recipe are copied, and the others made."""
         self.ok("fractal", "lumpy.obj", "-o", "one.vdb", "--mesh", "one.ply", *SMALL)
@@ -181,6 +193,7 @@ class EveryCommand(harness.CliTest):
             self.write(f"in.{name}.obj", harness.obj((([(x, size * y, z) for x, y, z in points]), faces)))
             self.ok("fractal", f"in.{name}.obj", "-o", f"g.{name}.vdb", *SMALL)
 
+    # Promise of usage.md: "`--frames LIST` means the same" in each command: a frame has the bytes of its input alone
     def test_a_frame_has_the_bytes_of_its_own_input(self):
         for command, (name, words, kind) in COMMANDS.items():
             with self.subTest(command=command):
@@ -190,6 +203,7 @@ class EveryCommand(harness.CliTest):
                     self.assertEqual(self.bytes(f"all.{frame}{kind}"), self.bytes(f"one{kind}"))
                 self.assertNotEqual(self.bytes(f"all.-0001{kind}"), self.bytes(f"all.0002{kind}"))
 
+    # Promise of usage.md: If nothing changes, "the program makes the first frame, copies it to the others, and says so"
     def test_an_input_without_a_place_is_held(self):
         for command, (name, words, kind) in COMMANDS.items():
             with self.subTest(command=command):
@@ -199,6 +213,7 @@ class EveryCommand(harness.CliTest):
                 for frame in ("-0002", "-0001", "0003"):
                     self.assertEqual(self.bytes(f"all.{frame}{kind}"), self.bytes(f"one{kind}"))
 
+    # Promise: "`--frames LIST` means the same" ...
     def test_one_frame_needs_no_place(self):
         """A single frame goes before the extension, as with --frame."""
         for command, (name, words, kind) in COMMANDS.items():
@@ -207,12 +222,15 @@ class EveryCommand(harness.CliTest):
                 self.assertTrue(self.path(f"one.0002{kind}").is_file())
                 self.path(f"one.0002{kind}").unlink()
 
+    # Promise of usage.md: "a missing one is named, with its frame, before the work begins"
+    # Promise: "one that is missing or broken ..."
     def test_a_gap_is_named_before_the_work(self):
         for command, (name, words, kind) in COMMANDS.items():
             text = self.refused(harness.NO_INPUT, *command.split(), name.format("####"), *words, "-o", f"all.####{kind}",
                                 "--frames", "-1-2", mentions=(f"'{name.format('0000')}' (frame 0)", "(frame 1)"))
             self.assertNotIn("(frame 2)", text)
 
+    # Promise: "`--frames LIST` means the same" ...
     def test_what_is_no_sequence(self):
         for command, (name, words, kind) in COMMANDS.items():
             start = (*command.split(), name.format("####"), *words)
@@ -227,6 +245,7 @@ class EveryCommand(harness.CliTest):
                 words_now = start if "--frames" in " ".join(map(str, rest)) else (*command.split(), name.format("0002"), *words)
                 self.refused(harness.USAGE, *words_now, *rest, mentions=mention)
 
+    # Promise: "one that is missing or broken ..."
     def test_a_failure_names_its_frame(self):
         self.write("in.0001.obj", "v 0 0 0\n")
         words = ("sdf", "in.####.obj", "-o", "d.$F4.vdb", "--resolution", 16, "--frames", "-1,1-2", "--progress", "none")
@@ -238,6 +257,7 @@ class EveryCommand(harness.CliTest):
         self.assertEqual(run.returncode, harness.BAD_DATA, run.stderr)
         self.assertEqual([name for name in self.listing() if name.startswith("d.")], ["d.-0001.vdb", "d.0002.vdb"])
 
+    # Promise: "`####` and `%04d` work too" ...
     def test_notations(self):
         """As Houdini, Nuke, Blender and printf write them; printf counts the sign."""
         for pattern, made in (("$F4", "-0001"), ("${F4}", "-0001"), ("$F", "-1"), ("####", "-0001"), ("%04d", "-001"), ("%d", "-1"), ("<F4>", "-0001"),

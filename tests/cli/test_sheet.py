@@ -45,6 +45,9 @@ class SheetTest(harness.CliTest):
 
 class Cells(SheetTest):
 
+    # Promise: A run from the recipe in a VDB, PLY, OBJ ...
+    # Promise of controls.md: A cell of a sheet is what `render` and `fractal` make of its recipe; its file holds "the complete
+    #   recipe of every cell"
     def test_each_cell_is_what_render_and_fractal_make(self):
         text = self.ok("sheet", "s.obj", *LOW, *SMALL, *VARY, "-o", "x.png")
         self.assertIn("wrote x.png, x.json: 2 x 2 cells", text)
@@ -64,6 +67,7 @@ class Cells(SheetTest):
         self.assertEqual(self.bytes("written.vdb"), self.bytes("cell.vdb"))
         self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
 
+    # Promise of controls.md: "`--eye` and `--look-at` together give all cells the same camera"
     def test_all_cells_have_the_camera_that_is_given(self):
         camera = ("--eye", "3,1,2", "--look-at", "0.5,0,0")
         vary = ("--vary", "origin-shift=0,0,0;0.2,0,0")
@@ -75,6 +79,8 @@ class Cells(SheetTest):
             self.assertEqual(picture, harness.read_png(self.bytes("one.png")))
             self.assertNotEqual(picture, framed[number - 1], "it frames its own set unless it is told otherwise")
 
+    # Promise of pictures.md: "The JSON beside the sheet stores the view of each cell, and `render --field --config` uses it;
+    #   options on the command line take precedence"
     def test_a_cell_shows_its_look_and_render_takes_it_from_there(self):
         """--config x.json#2 shows the cell, in its light and from its side; what is typed stands over that."""
         look = ("--light", "60,30", "--sky", 0.4, "--ground", "--background", "#203040", "--exposure", 0.5, "--azimuth", 70)
@@ -100,6 +106,7 @@ class Cells(SheetTest):
         # The recipe of a fractal is none of this.
         self.assertEqual(sheet["cells"][0]["recipe"], sheet["cells"][1]["recipe"])
 
+    # Promise: "The JSON beside the sheet ..."
     def test_cells_differ_in_what_is_seen(self):
         """The camera varies as the light does, beside an option of the fractal or alone."""
         self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "light=-48,41;60,20", "--vary", "texture-seed=1,2", "-o", "x.png")
@@ -115,11 +122,13 @@ class Cells(SheetTest):
         said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "background=none,#203040", "-o", "x.png")
         self.assertRegex(said, r"(?m)^warning: cell 1 failed: .*--background is none")
 
+    # Promise: "The JSON beside the sheet ..."
     def test_a_cell_with_a_broken_view_is_bad_data(self):
         self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "material=clay", "-o", "x.png")
         self.write("y.json", self.bytes("x.json").replace(b'"material": "clay"', b'"material": "mud"'))
         self.refused(BAD_DATA, "render", "--field", "--config", "y.json#1", *SMALL, "-o", "y.png", mentions=("y.json#1", "mud"))
 
+    # Promise: "What was made before changes ..."
     def test_a_cell_does_not_depend_on_its_company(self):
         self.write("m.obj", harness.obj(harness.snowman()))
         # A narrow band, which each depth of detail wants wider by another amount.
@@ -133,6 +142,7 @@ class Cells(SheetTest):
             self.ok("sheet", "m.vdb", *low, *SMALL, "--vary", "detail=" + ",".join(company), "-o", "x.png")
             self.assertTrue(self.places("x.png", 3) == [alone[detail] for detail in company], company)
 
+    # Promise: "Options on the command line ..."
     def test_the_recipe_of_a_fractal_and_of_a_cell_go_on(self):
         self.ok("fractal", "s.obj", *LOW, "--alpha", 20, "--texture-seed", 1, "-o", "f.vdb")
         self.ok("sheet", "s.obj", *LOW, *SMALL, "--alpha", 20, "--vary", "texture-seed=1,2", "-o", "a.png")
@@ -143,6 +153,7 @@ class Cells(SheetTest):
         self.ok("sheet", "--config", "a.json#1", *SMALL, "--vary", "alpha=20,30", "-o", "d.png")
         self.assertEqual(json.loads(self.bytes("d.json"))["cells"][1]["recipe"]["alpha"], "30")
 
+    # Promise: A cell of a sheet is what ...
     def test_files_as_values(self):
         for name, roots in (("a.json", harness.ROOTS), ("b.json", harness.ROOTS[:2])):
             self.write(name, harness.rational_json(roots))
@@ -155,18 +166,21 @@ class Cells(SheetTest):
         said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "texture=a.json,b.json", "-o", "x.png")
         self.assertIn("1 of 2 cells kept", said)
 
+    # Promise: A cell of a sheet is what ...
     def test_targets_as_values(self):
         self.write("t.obj", harness.obj(harness.torus()))
         self.ok("sheet", *LOW, *SMALL, "--vary", "input=s.obj,t.obj", "--vary", "alpha=20,40", "-o", "x.png")
         self.assertEqual([cell["recipe"]["input"] for cell in json.loads(self.bytes("x.json"))["cells"]],
                          ["s.obj", "s.obj", "t.obj", "t.obj"])
 
+    # Promise: A range of values goes "from A to B ..."
     def test_values_with_commas(self):
         self.ok("sheet", "--map", "quadratic", "--iterations", 5, *SMALL, "--vary",
                 "c=-0.2,0.6,0.2,0.2;-1,0.2,0,0", "-o", "x.png")
         self.assertEqual([cell["varied"] for cell in json.loads(self.bytes("x.json"))["cells"]],
                          [{"c": "-0.2,0.6,0.2,0.2"}, {"c": "-1,0.2,0,0"}])
 
+    # Promise: "The same recipe gives the same ..."
     def test_same_bytes(self):
         results = set()
         for number, options in enumerate((("--threads", 1), ("--threads", 2), ("--instructions", "portable"))):
@@ -175,6 +189,7 @@ class Cells(SheetTest):
             results.add((self.bytes(name), self.bytes(f"x{number}.json")))
         self.assertEqual(len(results), 1)
 
+    # Promise of controls.md: "It fails itself only if all cells fail"
     def test_a_failed_cell_shows_its_error(self):
         said = self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20,-3,word", "-o", "x.png")
         self.assertRegex(said, r"(?m)^warning: cell 2 failed: .*-3")
@@ -200,6 +215,8 @@ class Meshes(SheetTest):
                 self.assertEqual(picture, harness.read_png(self.bytes("one.png")))
         return pictures
 
+    # Promise of controls.md: `sheet --preview mesh`: "Each cell is then the picture that `juliavdb render` makes of the mesh",
+    #   pixel for pixel
     def test_each_cell_is_the_picture_of_its_mesh(self):
         self.write("t.obj", harness.obj(harness.torus()))
         framed = self.cells_are_what_render_shows(4, ("s.obj", *LOW, *VARY))
@@ -214,6 +231,7 @@ class Meshes(SheetTest):
             self.cells_are_what_render_shows(2, ("--vary", "input=s.obj,t.obj", *LOW, *more))
         self.cells_are_what_render_shows(2, ("--map", "mandelbulb", "--resolution", 20, "--vary", "power=3,8"))
 
+    # Promise: "The JSON beside the sheet ..."
     def test_meshes_have_the_look_of_a_picture(self):
         look = ("--light", "60,30", "--sky", 0.4, "--ground", "--background", "#203040", "--exposure", 0.5, "--material", "bronze")
         lit = self.cells_are_what_render_shows(2, ("s.obj", *LOW, "--vary", "texture-seed=1,2"), look)
@@ -223,6 +241,7 @@ class Meshes(SheetTest):
         self.assertEqual(varied[1], lit[0])
         self.assertNotEqual(varied[0], lit[0])
 
+    # Promise: `sheet --preview mesh`: "Each ..."
     def test_the_points_have_the_colours_of_the_recipe(self):
         clay, trap, direction = self.cells_are_what_render_shows(
             3, ("s.obj", *LOW, "--vary", "colour=clay,trap:magma,direction"))
@@ -247,6 +266,7 @@ class Meshes(SheetTest):
                 "mesh", "--vary", "texture=scales", "-o", "x.png")
         self.assertRegex(json.loads(self.bytes("x.json"))["cells"][0]["recipe"]["resolution"], r"\A\d+\Z")
 
+    # Promise: "The same recipe gives the same ..."
     def test_same_bytes(self):
         results = set()
         for number, options in enumerate((("--threads", 1), ("--threads", 2), ("--instructions", "portable"))):
@@ -272,6 +292,7 @@ class Meshes(SheetTest):
 class FinerThanVoxels(SheetTest):
     """A cell of the field says what of it the voxels of its recipe do not show."""
 
+    # Promise of controls.md: A cell of a sheet says if much of what it shows is finer than two voxels
     def test_it_says_what_fractal_warns_of(self):
         vary = ("--vary", "resolution=16,400", "--texture", "random", "--texture-seed", 3)
         said = self.ok("sheet", "s.obj", "--sdf-resolution", 40, *SMALL, *vary, "-o", "x.png")
@@ -299,6 +320,7 @@ class FinerThanVoxels(SheetTest):
 
 class Layout(SheetTest):
 
+    # Promise: A sheet's page is never a strip
     def test_many_columns_are_folded_and_the_cells_stay_in_order(self):
         """Two values by seven: rows of four, three, four and three cells instead of a strip."""
         vary = ("--vary", "alpha=20,60", "--vary", "texture-seed=1:7:1")
@@ -318,6 +340,7 @@ class Layout(SheetTest):
 
 class Resuming(SheetTest):
 
+    # Promise of controls.md: "Nothing is made twice", and the program "never removes anything from the folder"
     def test_only_new_cells_are_made(self):
         self.assertIn("0 of 2 cells kept", self.ok("sheet", "s.obj", *LOW, *SMALL, "--vary", "alpha=20,40", "-o", "x.png"))
         page, recipes, cells = self.bytes("x.png"), self.bytes("x.json"), self.cells()
@@ -333,6 +356,7 @@ class Resuming(SheetTest):
         self.assertEqual(len(set(self.cells()) - before), 2)
         self.assertLess(before, set(self.cells()))
 
+    # Promise: "Nothing is made twice", and the program ...
     def test_an_interruption_keeps_what_is_finished(self):
         words = ["sheet", "s.obj", "--sdf-resolution", 20, "--size", "200x200", "--samples", 4, "--vary",
                  "texture-seed=1:40:1", "-o", "x.png"]

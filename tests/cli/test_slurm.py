@@ -25,6 +25,9 @@ class Slurm(farm.FarmTest):
         self.assertEqual(run.returncode, harness.DONE, run.stderr.decode() + node.logs())
         return run.stdout.decode()
 
+    # Promise: "`--missing` prints the numbers ..."
+    # Promise of farm.md#with-slurm-on-a-cluster: Slurm: the script, the merge after all tasks, jobs whose time is over, more
+    #   tasks than an array takes
     def test_from_a_plan_to_the_merged_result(self):
         self.plan()
         merged = ("-o", "m.vdb", "--mesh", "m.ply")
@@ -42,6 +45,7 @@ class Slurm(farm.FarmTest):
         logs = [path.read_text() for path in self.path(f"{FARM}/logs").glob("*.log")]
         self.assertEqual(len([text for text in logs if "is done" in text]), TILES)
 
+    # Promise: Slurm: the script, the merge ...
     def test_a_job_whose_time_is_over_is_missing(self):
         """Slurm sends --signal=B:TERM@60 to the batch shell alone, which has become the program. It does so at its next look
         at the time, every 30 seconds, for a job of a minute. One task, on one processor, leaves the others to other tests meanwhile."""
@@ -56,6 +60,7 @@ class Slurm(farm.FarmTest):
             self.assertIn("juliavdb: interrupted", log.read_text())
         self.assertEqual([name for name in self.listing() if "running" in name or "failed" in name or "/." in name], [])
 
+    # Promise: Slurm: the script, the merge ...
     def test_more_tasks_than_an_array_takes(self):
         self.plan()
         with self.node(array_size=6) as node:
@@ -68,6 +73,7 @@ class Slurm(farm.FarmTest):
         logs = [path.read_text() for path in self.path(f"{FARM}/logs").glob("*_*.log")]
         self.assertEqual(len(logs), 3, "jobs of four tasks, the first of which were done")
 
+    # Promise: Slurm: the script, the merge ...
     def test_what_sbatch_refuses_is_a_failure(self):
         self.plan()
         with self.node() as node:

@@ -44,6 +44,8 @@ class Stack(harness.CliTest):
         return (first + i[..., None] * step[text["to the right"]] + j[..., None] * step[text["down"]]
                 + k[..., None] * step[text["to the next layer"]])
 
+    # Promise of coming-from.md: A stack "writes a picture for each layer of cubic voxels", and "the text beside the layers" says
+    #   where they are
     def test_membership_of_a_ball(self):
         """alpha 300 is nearly smooth: the shell is 1 % of the longest side."""
         shell = 2 * self.radius * math.log(20) / 300 + 0.01 * self.radius
@@ -62,6 +64,7 @@ class Stack(harness.CliTest):
                     self.assertAlmostEqual(voxels.astype(bool).sum() * float(text["voxel size"])**3
                                            / (4 / 3 * math.pi * self.radius**3), 1, 1)
 
+    # Promise: A stack "writes a picture ..."
     def test_distances(self):
         self.ok("sdf", "s.obj", "-o", "s.vdb", "--resolution", 40, "--band", 8)
         self.ok("slice", "s.vdb", "--field", "grid", "--stack", "-o", "d.####.tif", "--size", 40, "--range", 0.5, "--bits", 16)
@@ -75,6 +78,8 @@ class Stack(harness.CliTest):
         self.assertLess(numpy.abs(found - distance)[near].max(), 0.03)
         self.assertIn("65535 is 0.5", text["values"])
 
+    # Promise: "Files then have the unit ..."
+    # Promise of coming-from.md: "A TIFF then has its resolution in pixels per centimetre, and a PNG in pixels per metre"
     def test_the_size_of_the_voxels_is_in_the_file(self):
         words = ("slice", "s.obj", *LOW, "--stack", "--size", 8)
         for unit, centimetres in (("mm", 0.1), ("cm", 1), ("m", 100), ("in", 2.54)):
@@ -105,6 +110,7 @@ class Stack(harness.CliTest):
         self.assertEqual((across, unit), (down, 1))
         self.assertAlmostEqual(across * float(self.text("p.txt")["voxel size"]) * 1e-3, 1, 2)
 
+    # Promise: A stack "writes a picture ..."
     def test_every_field(self):
         self.ok("fractal", "s.obj", *LOW, "--iterations", 3, "-o", "f.vdb")
         for field in ("phi", "e", "f", "membership", "iterations", "versor", "grid"):

@@ -34,6 +34,7 @@ class StudyTest(harness.CliTest):
 
 class Average(StudyTest):
 
+    # Promise of study.md: A texture of a study is the slice of its seed: "texture k has the seed S + k"
     def test_one_versor_is_its_slice(self):
         for options in ((), ("--axis", "x"), ("--position", 1.5, "--texture-seed", 9), ("--texture-placement", "inside"),
                         ("--box", "2,-3,0,4,0,2"), ("--precision", "double", "--iterations", 5)):
@@ -42,6 +43,7 @@ class Average(StudyTest):
                 self.ok("slice", "s.obj", *LOW, *ROUGH, "--texture", "random", *options, "-o", "slice.png")
                 self.assertTrue(self.bytes("x.png") == self.bytes("slice.png"))
 
+    # Promise: A texture of a study is the slice ...
     def test_many_are_their_mean(self):
         """In even steps of sRGB, which is what the PNG holds."""
         count = 5
@@ -61,6 +63,7 @@ class Average(StudyTest):
                     greys.add(white)
             self.assertEqual(len(greys), count + 1, "the sets agree more than random ones should")
 
+    # Promise: A texture of a study is the slice ...
     def test_the_plane_goes_through_the_origin(self):
         """The box's middle lies in the torus's hole; the dynamics take the deepest point, and so does the plane."""
         self.ok("study", "t.obj", *LOW, "--versors", 2, "-o", "x.png", "--csv", "x.csv", "--axis", "x")
@@ -68,6 +71,7 @@ class Average(StudyTest):
         said = self.ok("study", "t.obj", *LOW, "--versors", 2, "-o", "y.png", "--origin-shift", "0,0.6,0")
         self.assertIn("origin lies outside", said)
 
+    # Promise: "The same recipe gives the same ..."
     def test_same_bytes(self):
         flags = pathlib.Path("/proc/cpuinfo").read_text().split()
         sets = ["portable"] + [name for name, flag in (("avx2", "avx2"), ("avx512", "avx512vl")) if flag in flags]
@@ -100,6 +104,7 @@ class Average(StudyTest):
 
 class Curve(StudyTest):
 
+    # Promise of study.md: The lines of the study's `--csv`, and what the shaded range says
     def test_distance_about_a_sphere(self):
         said = self.ok("study", "s.obj", *LOW, "--alpha", 20, "--versors", 20, "-o", "x.png", "--csv", "x.csv", "--curve",
                        "c.png")
@@ -124,6 +129,7 @@ class Curve(StudyTest):
                 self.assertEqual(row["membership"], 0)
         self.assertTrue(any(0.1 < row["membership"] < 0.9 for row in circles))
 
+    # Promise: The lines of the study's ...
     def test_curve_shades_what_is_undecided(self):
         self.ok("study", "s.obj", *LOW, "--versors", 1, "-o", "x.png", "--curve", "flat.png")
         self.ok("study", "s.obj", *LOW, "--versors", 1, "-o", "x.png", "--curve", "ramp.png", "--alpha", "x:20:40")
@@ -163,6 +169,7 @@ class Refusals(StudyTest):
         self.refused(USAGE, "study", "q.vdb", "-o", "x.png", mentions="map")
         self.refused(USAGE, "study", "v.vdb", "-o", "x.png", mentions="v.json")
 
+    # Promise of study.md: "A name that ends in `.svg` gives SVG"
     def test_outputs(self):
         self.path("folder.png").mkdir()
         for option, name in (("-o", "nowhere/x.png"), ("-o", "folder.png"), ("--curve", "nowhere/c.png"),
@@ -181,12 +188,14 @@ class Dimension(StudyTest):
 
     SMALL = ("--sdf-resolution", 32, "--progress", "none")
 
+    # Promise of scale.md: "`juliavdb study --dimension N,N,...` measures the exponent from whole meshes, with its standard error"
     def test_a_smooth_surface_has_two(self):
         for name in ("s.obj", "t.obj"):
             text = self.ok("study", name, *self.SMALL, "--mask", 0, "--dimension", "24,48,96", data=True)
             dimension = float(re.search(r"^dimension ([0-9.]+), standard error", text, re.MULTILINE).group(1))
             self.assertAlmostEqual(dimension, 2, delta=0.03)
 
+    # Promise: "`juliavdb study --dimension N,N,...` ..."
     def test_the_rows_are_what_fractal_makes(self):
         rough = ("--alpha", 20, "--iterations", 5, "--texture", "random")
         numbers = json.loads(self.ok("study", "t.obj", *self.SMALL, *rough, "--dimension", "20,30,45", "--json", data=True))

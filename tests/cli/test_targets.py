@@ -68,6 +68,11 @@ class Targets(harness.CliTest):
         self.assertEqual(harness.open_edges(mesh), [])
         return harness.volume_of(mesh)
 
+    # Promise: A mesh that bounds no volume ...
+    # Promise of targets.md: `--repair`, `--solidify`, `--thicken` and `--points-radius` make closed shapes of the size that they
+    #   say
+    # Promise: "The options are the same ..."
+    # Promise: The program says "how far ..."
     def test_an_open_base(self):
         self.write("half.obj", harness.obj(half_sphere()))
         self.refused(BAD_DATA, "fractal", "half.obj", "-o", "x.vdb", *LOW, mentions="--repair")
@@ -79,6 +84,8 @@ class Targets(harness.CliTest):
         self.assertGreater(volume, 0.4 * 2 * math.pi / 3)
         self.assertLess(volume, 1.2 * 2 * math.pi / 3)
 
+    # Promise: A mesh that bounds no volume ...
+    # Promise: `--repair`, `--solidify`, `--thicken` and `--points-radius` ...
     def test_terrain(self):
         self.write("t.obj", harness.obj(terrain()))
         for repair in ([], ["--repair"]):
@@ -100,6 +107,8 @@ class Targets(harness.CliTest):
         self.write("s.obj", harness.obj(harness.sphere(2)))
         self.refused(BAD_DATA, "sdf", "s.obj", "-o", "x.vdb", "--solidify", 1, mentions="closed")
 
+    # Promise: `--repair`, `--solidify`, `--thicken` and `--points-radius` ...
+    # Promise of targets.md: "A closed mesh grows by half of W, and stays solid"
     def test_a_sheet(self):
         self.write("t.obj", harness.obj(terrain(hole=0.4)))
         self.ok("fractal", "t.obj", "-o", "f.vdb", "--mesh", "f.ply", "--thicken", 0.2, *LOW)
@@ -116,6 +125,9 @@ class Targets(harness.CliTest):
         self.refused(USAGE, "fractal", "t.obj", "-o", "x.vdb", "--thicken", 0.2, "--solidify", 1, *LOW,
                      mentions=["--thicken", "--solidify"])
 
+    # Promise: A mesh that bounds no volume ...
+    # Promise: `--repair`, `--solidify`, `--thicken` and `--points-radius` ...
+    # Promise: "`info` reports the spacing ..."
     def test_a_cloud_of_points(self):
         points, _ = harness.sphere(3)
         self.write("c.ply", cloud(points, [255 if p[0] > 0 else 0 for p in points]))
@@ -137,6 +149,7 @@ class Targets(harness.CliTest):
         self.write("one.ply", cloud([(5, 6, 7)]))
         self.ok("fractal", "one.ply", "-o", "one.vdb", "--points-radius", 2, *LOW)
 
+    # Promise: `--hollows keep`: "A part ..."
     def test_hollows(self):
         self.write("s.obj", harness.obj(shell(1, -0.6)))
         self.write("both.obj", harness.obj(shell(1, 0.6)))
@@ -179,6 +192,7 @@ class Targets(harness.CliTest):
         self.refused(USAGE, "sdf", "s.obj", "-o", "x.vdb", "--hollows", "drop", mentions=["--hollows", "fill", "keep"])
         self.refused(USAGE, "fractal", "s.vdb", "-o", "x.vdb", "--hollows", "keep", *LOW, mentions="--hollows")
 
+    # Promise: "The same recipe gives the same ..."
     def test_any_number_of_threads_makes_the_same(self):
         self.write("t.obj", harness.obj(terrain(hole=0.4)))
         points, _ = harness.sphere(3)
@@ -193,6 +207,9 @@ class Targets(harness.CliTest):
                     self.ok("sdf", target, "-o", f"{threads}.vdb", "--resolution", 40, "--threads", threads, *options)
                 self.assertEqual(self.bytes("1.vdb"), self.bytes("2.vdb"))
 
+    # Promise: `--repair`, `--solidify`, `--thicken` and `--points-radius` ...
+    # Promise of targets.md: "The options are the same for `fractal`, `sdf`, `fit`, `sheet`, `slice`, `render --field`, `study`
+    #   and `plan`"
     def test_other_commands_take_them(self):
         self.write("t.obj", harness.obj(terrain()))
         self.ok("fit", "t.obj", "-o", "x.json", "--resolution", 24, "--roots", 4, "--solidify", 0.6)
@@ -246,6 +263,7 @@ class Volumes(harness.CliTest):
     def check_ball(self, name, radius):
         self.assertAlmostEqual(self.volume_of(name), 4 / 3 * math.pi * radius ** 3, delta=0.05)
 
+    # Promise: "lengths such as the longest ..."
     def test_a_turned_grid_has_the_lengths_of_its_surface(self):
         c, s = 0.05 * math.cos(0.7), 0.05 * math.sin(0.7)
         self.transformed("turned.vdb", (c, s, 0), (-s, c, 0), (0, 0, 0.05))
@@ -257,6 +275,7 @@ class Volumes(harness.CliTest):
             found[name] = self.volume_of(f"{name}_f.vdb")
         self.assertAlmostEqual(found["turned"], found["plain"], delta=0.02 * found["plain"])
 
+    # Promise: A fog volume's surface is "where ..."
     def test_a_fog_volume(self):
         self.fog()
         for command in ("sdf", "fractal"):
@@ -274,11 +293,13 @@ class Volumes(harness.CliTest):
         self.fog("unknown.vdb", "unknown")
         self.refused(BAD_DATA, "sdf", "unknown.vdb", "-o", "x.vdb", mentions="--iso")
 
+    # Promise: A fog volume's surface is "where ..."
     def test_the_surface_of_a_level_set_moves(self):
         for distance in (-0.1, 0.15):
             self.ok("sdf", "s.vdb", f"--iso={distance}", "-o", "moved.vdb")
             self.check_ball("moved.vdb", 1 + distance)
 
+    # Promise: A fog volume's surface is "where ..."
     def test_a_sign_that_is_turned_round(self):
         self.changed("wrong.vdb", lambda grid: grid.mapAll(lambda phi: -phi))
         for command in ("fractal", "sdf"):
@@ -289,6 +310,7 @@ class Volumes(harness.CliTest):
         self.refused(USAGE, "sdf", "s.obj", "--invert", "-o", "x.vdb", mentions=["--invert", "'s.obj' is a mesh"])
         self.refused(USAGE, "fractal", "s.obj", "--iso", 1, "-o", "x.vdb", mentions=["--iso", "'s.obj' is a mesh"])
 
+    # Promise: "lengths such as the longest ..."
     def test_voxels_of_unequal_sides(self):
         self.transformed("long.vdb", (0.05, 0, 0), (0, 0.05, 0), (0, 0, 0.1))
         for command in ("sdf", "fractal"):
@@ -297,12 +319,16 @@ class Volumes(harness.CliTest):
         self.assertAlmostEqual(self.volume_of("sdf.vdb"), 8 / 3 * math.pi, delta=0.1)
         self.assertEqual(self.info("sdf.vdb")["grids"][0]["voxel size"], [0.05] * 3)
 
+    # Promise: "The same recipe gives the same ..."
     def test_any_number_of_threads_makes_the_same(self):
         self.fog()
         for threads in (1, 2):
             self.ok("fractal", "fog.vdb", "-o", f"{threads}.vdb", "--resolution", 24, "--threads", threads)
         self.assertEqual(self.bytes("1.vdb"), self.bytes("2.vdb"))
 
+    # Promise: A fog volume's surface is "where ..."
+    # Promise: "The options are the same ..."
+    # Promise: "Each of these commands says ..."
     def test_other_commands_take_them(self):
         self.fog()
         said = self.ok("fit", "fog.vdb", "-o", "x.json", "--resolution", 24, "--roots", 4)
@@ -331,6 +357,8 @@ class WhatIsSaid(harness.CliTest):
                 for line in lines:
                     self.assertEqual(said.count(line), 1, said)
 
+    # Promise of targets.md: "Each of these commands says in one line what it found", in any number of frames and cells
+    # Promise: Points whose coordinates are not ...
     def test_of_a_mesh(self):
         self.write("h.obj", harness.obj(shell(1, -0.6)) + "v nan 0 0\n")
         low = ("--resolution", 24, "--sdf-resolution", 24, "--detail", 0.3)
@@ -360,6 +388,7 @@ class Imports(harness.CliTest):
         if b"built without" in self.run_program("info", "s.x3d").stderr:
             self.skipTest("this build has no Assimp")
 
+    # Promise: FBX, DAE, 3DS and X3D: "the program ..."
     def test_it_is_read_with_the_option_only(self):
         self.ok("sdf", "s.obj", "-o", "o.vdb", "--resolution", 24)
         for command in (("sdf", "s.x3d", "-o", "x.vdb", "--resolution", 24), ("fractal", "s.x3d", "-o", "x.vdb", *LOW),
@@ -375,6 +404,7 @@ class Imports(harness.CliTest):
         self.assertEqual([*mine.citerOnValues()][0].value, [*theirs.citerOnValues()][0].value)
         self.assertEqual(self.info("o.vdb")["grids"], self.info("x.vdb")["grids"])
 
+    # Promise: FBX, DAE, 3DS and X3D: "the program ..."
     def test_a_recipe_does_not_set_it(self):
         made = ("fractal", "s.x3d", "-o", "x.vdb", *LOW)
         self.ok(*made, "--trust-importer")
@@ -399,6 +429,7 @@ class Imports(harness.CliTest):
 
 class WhatIsNotUsed(harness.CliTest):
 
+    # Promise of targets.md: A fractal "ends with a line that names what the run did not use"
     def test_it_is_named_in_one_line(self):
         points, faces = harness.needle()
         lines = [f"v {x} {y} {z}" for x, y, z in points] + ["vt 0 0", "vt 1 0", "vt 1 1"]
@@ -412,6 +443,7 @@ class WhatIsNotUsed(harness.CliTest):
         said = self.ok("fractal", "s.obj", "-o", "s.vdb", *LOW)
         self.assertEqual(said.count("not used of the target: texture coordinates, 1 material, 2 groups\n"), 1)
 
+    # Promise: A fractal "ends with a line ..."
     def test_a_plain_mesh_has_no_such_line(self):
         self.write("s.obj", harness.obj(harness.needle()))
         self.assertNotIn("not used", self.ok("fractal", "s.obj", "-o", "s.vdb", *LOW))

@@ -58,6 +58,7 @@ class Units(harness.CliTest):
             for a, b in zip(one[low_or_high], other[low_or_high]):
                 self.assertAlmostEqual(a, b, delta=share * longest(other))
 
+    # Promise of handoff.md: "Files then have the unit that their format asks for": the table of units
     def test_a_glb_is_in_metres(self):
         self.ok("fractal", "t.obj", *LOW, "--mesh", "plain.ply")
         plain = box_of(harness.read_ply(self.bytes("plain.ply")).points)
@@ -71,12 +72,14 @@ class Units(harness.CliTest):
         for unit, metres in METRES.items():
             self.assertAlmostEqual(errors[unit] / (metres * errors["m"]), 1, delta=0.2)
 
+    # Promise: "Files then have the unit ..."
     def test_far_from_the_origin_too(self):
         self.write("far.obj", harness.obj(harness.moved(harness.sphere(3), 1, (1e5, -1e5, 1e5))))
         for name, words in (("m", ("--units", "m")), ("mm", ("--units", "mm"))):
             self.ok("fractal", "far.obj", *LOW, *words, "--mesh", f"{name}.glb")
         self.close(self.glb_box("mm.glb"), [[1e-3 * x for x in end] for end in self.glb_box("m.glb")], 1e-4)
 
+    # Promise: "Files then have the unit ..."
     def test_other_formats_keep_the_coordinates_and_say_the_unit(self):
         self.ok("fractal", "t.obj", *LOW, "--mesh", "a.ply", "-o", "a.vdb")
         for unit in METRES:
@@ -98,6 +101,7 @@ class Units(harness.CliTest):
                 info = self.info(name)
                 self.assertEqual(info.get("unit", info.get("metadata", {}).get(UNIT)), unit, name)
 
+    # Promise of handoff.md: Without `--units` "no unit is recorded, and every file has the coordinates of the target"
     def test_without_a_unit_no_file_names_one(self):
         self.ok("fractal", "t.obj", *LOW, "-o", "a.vdb", "--mesh", "a.glb")
         for made in ("a.ply", "a.obj", "a.stl"):
@@ -111,6 +115,7 @@ class Units(harness.CliTest):
         self.assertEqual(self.usd("a.usda"), 1)
         self.close(self.glb_box("a.glb"), box_of(harness.read_ply(self.bytes("a.ply")).points))
 
+    # Promise of handoff.md: "State it once": later commands take the unit from their input
     def test_later_commands_know_the_unit(self):
         self.ok("sdf", "t.obj", "--units", "mm", "-o", "sdf.vdb", "--resolution", 24)
         self.assertEqual(self.metadata("sdf.vdb")[UNIT], "mm")
@@ -141,6 +146,7 @@ class Units(harness.CliTest):
         self.ok("fit", "sdf.vdb", "-o", "r.json", "--resolution", 17, "--roots", 9, "--charge", "c.ply")
         self.assertIn(f"comment juliavdb {UNIT} mm\n".encode(), self.bytes("c.ply"))
 
+    # Promise: "State it once": later commands ...
     def test_tiles_are_merged_with_their_unit(self):
         for words in (("t.obj", "--units", "cm"), ("sdf.vdb", )):
             self.ok("sdf", "t.obj", "--units", "cm", "-o", "sdf.vdb", "--resolution", 24)
@@ -154,6 +160,7 @@ class Units(harness.CliTest):
             self.assertEqual(self.metadata("m.vdb")[UNIT], "cm")
             shutil.rmtree(self.path("farm"))
 
+    # Promise: "Files then have the unit ..."
     def test_a_part_has_its_true_size(self):
         """In a 3MF, whose unit is the millimetre by its attribute, as in all other files of parts."""
         self.ok("fractal", "t.obj", *LOW, "--largest", 1, "--mesh", "plain.ply")
@@ -178,6 +185,7 @@ class Units(harness.CliTest):
         self.ok("print", "t.obj", "-o", "p.stl", "--units", "cm")
         self.assertAlmostEqual(longest(box_of([p for t in harness.read_stl(self.bytes("p.stl")) for p in t])), 200, 2)
 
+    # Promise: "Files then have the unit ..."
     def test_a_scene_has_one_unit(self):
         self.ok("fractal", "t.obj", *LOW, "--units", "mm", "-o", "mm.vdb", "--mesh", "mm.glb")
         self.ok("mesh", "mm.vdb", "-o", "mm.ply")
@@ -201,6 +209,7 @@ class Units(harness.CliTest):
         self.path("g.0002.vdb").write_bytes(self.bytes("none.vdb"))
         self.refused(harness.BAD_DATA, "usd", "g.####.vdb", "--frames", "1-2", "-o", "x.usda", mentions=("g.0002.vdb", "none", "mm"))
 
+    # Promise of handoff.md: "Contradictions are refused", and what is no unit is refused before the work
     def test_what_is_no_unit_is_refused_before_the_work(self):
         """With the good ones; also where a file names another one than the option does."""
         self.ok("fractal", "t.obj", *LOW, "--units", "mm", "-o", "f.vdb", "--mesh", "f.ply")
@@ -232,6 +241,7 @@ class Units(harness.CliTest):
 class Axes(harness.CliTest):
     """--up is about the result, and has the same values everywhere; --target-up is about the input. --size is pixels."""
 
+    # Promise of printing.md: `--size` and `--up` of `print` "still work"
     def test_print_takes_its_former_names(self):
         points, faces = harness.sphere(3)
         self.write("tall.obj", harness.obj(([(x, 3 * y, z) for x, y, z in points], faces)))
@@ -243,6 +253,7 @@ class Axes(harness.CliTest):
         self.assertNotRegex(said, r"--size|--up ")
         self.refused(USAGE, "print", "tall.obj", "-o", "x.stl", "--size", 30, "--longest-side", 30, mentions="--longest-side")
 
+    # Promise: "All commands that have `--up` ..."
     def test_a_part_stands_as_its_input_says(self):
         points, faces = harness.sphere(3)
         self.write("tall.obj", harness.obj(([(x, y, 3 * z) for x, y, z in points], faces)))
@@ -254,6 +265,8 @@ class Axes(harness.CliTest):
             extents = [b - a for a, b in zip(low, high)]
             self.assertEqual(extents.index(max(extents)), 2, words)
 
+    # Promise of handoff.md: "All commands that have `--up` take the same values"; `print` takes `--target-up` "Its default is
+    #   what the input file says"
     def test_up_has_the_same_values_everywhere(self):
         self.write("t.obj", harness.obj(harness.torus()))
         self.ok("fractal", "t.obj", *LOW, "--target-up", "z", "-o", "f.vdb")

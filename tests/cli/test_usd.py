@@ -44,6 +44,8 @@ class Usd(harness.CliTest):
         self.ok("usd", *words, "-o", "s.usda")
         return self.bytes("s.usda").decode()
 
+    # Promise of handoff.md: For the frames of a mesh "its points, triangles, normals and colours are time samples", and what has
+    #   no place for the frame "stays the same in all frames"
     def test_each_frame_has_its_mesh(self):
         text = self.make("--mesh", "m.####.obj", "--frames", "2,-1-0", "--fps", 25)
         for line in ("startTimeCode = -1\n", "endTimeCode = 2\n", "framesPerSecond = 25\n", "timeCodesPerSecond = 25\n"):
@@ -65,6 +67,7 @@ class Usd(harness.CliTest):
             for k in range(3):
                 self.assertEqual((low[k], high[k]), (min(p[k] for p in made), max(p[k] for p in made)))
 
+    # Promise: For the frames of a mesh ...
     def test_a_frame_is_the_mesh_of_a_scene_by_itself(self):
         """With colours and another up axis."""
         for frame, seed in ((1, 4), (2, 5)):
@@ -117,6 +120,7 @@ class Usd(harness.CliTest):
         text = self.make("--mesh", "p.####.ply", "--frames", "1-2")
         self.assertEqual(sorted(re.findall(r"primvars:(\w+)\.timeSamples", text)), ["st", "wind_x", "wind_y"])
 
+    # Promise: For the frames of a mesh ...
     def test_far_from_the_origin_all_frames_have_one_place(self):
         points, faces = harness.cube()
         for frame, shift in ((1, 1e6), (2, 1e6 + 0.25)):
@@ -129,6 +133,7 @@ class Usd(harness.CliTest):
                 for there, wanted, origin in zip(point, (x + shift, y, z), centre):
                     self.assertAlmostEqual(there + origin, wanted, 6)
 
+    # Promise: For the frames of a mesh ...
     def test_what_has_no_place_for_the_frame_is_held(self):
         self.ok("sdf", "m.0000.obj", "-o", "v.vdb", "--resolution", 16)
         for frame in (1, 2):
@@ -165,6 +170,8 @@ class Usd(harness.CliTest):
         self.assertTrue(text.startswith(b"#usda 1.0\n"))
         return text
 
+    # Promise of handoff.md: A package is "a ZIP without compression in which the data of each file begins at a multiple of 64
+    #   bytes"
     def test_a_package_holds_the_scene(self):
         words = ("--mesh", "m.####.obj", "--frames", "-1-0,2")
         self.ok("usd", *words, "-o", "s.usda", "--package", "p.usdz")
@@ -179,6 +186,7 @@ class Usd(harness.CliTest):
         self.ok("usd", "--mesh", "m.0002.obj", "--package", "\u00e9t\u00e9.usdz")
         self.check_package("\u00e9t\u00e9.usdz")
 
+    # Promise: A package is "a ZIP without ..."
     def test_what_does_not_fit(self):
         self.ok("sdf", "m.0000.obj", "-o", "v.vdb", "--resolution", 16)
         for words, mention in ((("v.vdb", "--package", "p.usdz"), "--package"),

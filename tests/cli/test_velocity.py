@@ -70,6 +70,7 @@ class Velocity(harness.CliTest):
             _, found = self.made(*options, "--fps", 30)
             self.assert_near(found, 30 * numpy.array(STEP))
 
+    # Promise: "The velocity of a point ..."
     def test_a_rotation(self):
         self.write("back.obj", harness.obj(turned(self.ball, -TURN)))
         self.write("on.obj", harness.obj(turned(self.ball, TURN)))
@@ -77,6 +78,7 @@ class Velocity(harness.CliTest):
         wanted = FPS * math.sin(TURN) * numpy.stack([-places[:, 1], places[:, 0], 0 * places[:, 2]], 1)
         self.assert_near(found, wanted)
 
+    # Promise: "The velocity of a point ..."
     def test_what_stands_still_has_none(self):
         shutil.copy(self.path("s.obj"), self.path("same.obj"))
         _, found = self.made("--target-after", "same.obj")
@@ -93,11 +95,13 @@ class Velocity(harness.CliTest):
         self.assertTrue(numpy.array_equal(places, numpy.array([[row[axis] for axis in "xyz"] for row in
                                                                test_attributes.points(self.bytes("plain.ply"))])))
 
+    # Promise: "The velocity of a point ..."
     def test_with_a_rest_pose_they_are_those_of_the_pose(self):
         self.write("rest.obj", harness.obj(turned(self.ball, 1.0)))
         _, found = self.made("--rest", "rest.obj", "--target-after", "on.obj")
         self.assert_near(found, FPS * numpy.array(STEP))
 
+    # Promise: In a sequence "the neighbours ..."
     def test_an_animated_gltf_needs_no_other_file(self):
         gltf = test_animation.Gltf()
         node = gltf.node(mesh=gltf.mesh(*self.ball))
@@ -120,6 +124,8 @@ class Velocity(harness.CliTest):
         self.assertIn("note: f.obj holds no attributes",
                       self.ok("fractal", "s.obj", *self.LOW, "--target-after", "on.obj", "--mesh", "f.obj"))
 
+    # Promise of attributes.md: "The axes and the unit of a file apply to velocities as to positions"; the grid "reaches beyond
+    #   the band of the surface, in tiles of 8^3 voxels"
     def test_a_glb(self):
         words = ("fractal", "s.obj", *self.LOW, "--target-after", "on.obj", "--mesh", "f.glb")
         for options, wanted in (((), STEP), (("--target-up", "z"), (STEP[0], STEP[2], -STEP[1])),
@@ -134,6 +140,7 @@ class Velocity(harness.CliTest):
             found = [struct.unpack_from("<3f", body, accessor["byteOffset"] + i * stride) for i in range(accessor["count"])]
             self.assert_near(numpy.array(found), FPS * numpy.array(wanted))
 
+    # Promise: "The axes and the unit of a file ..."
     def test_the_grid_of_a_vdb(self):
         words = ("fractal", "s.obj", *self.LOW, "--target-after", "on.obj", "-o", "f.vdb")
         for options, name, wanted in (((), "velocity", STEP), (("--grid-names", "houdini"), "v", STEP),
@@ -148,6 +155,7 @@ class Velocity(harness.CliTest):
             self.assertGreater(len(found), 1000)
             self.assert_near(found, FPS * numpy.array(wanted))
 
+    # Promise: "The axes and the unit of a file ..."
     def test_the_grid_reaches_as_far_as_it_moves(self):
         """At each place through which the band goes in a frame, forward and back, there is its velocity."""
         self.write("far.obj", harness.obj(shifted(self.ball, (0, 0, 1.5))))
@@ -161,10 +169,12 @@ class Velocity(harness.CliTest):
                 value = grid.getValue((x, y, z + round(share * 1.5 / voxel)))
                 self.assert_near(numpy.array(value), FPS * numpy.array((0, 0, 1.5)), 1e-4)
 
+    # Promise: "The axes and the unit of a file ..."
     def test_a_ply_with_another_axis(self):
         _, found = self.made("--target-after", "on.obj", "--up", "z")
         self.assert_near(found, FPS * numpy.array([STEP[0], -STEP[2], STEP[1]]))
 
+    # Promise: "The axes and the unit of a file ..."
     def test_usd(self):
         words = ("fractal", "s.obj", *self.LOW, "--target-after", "on.obj")
         for name, options in (("f.ply", ()), ("f.glb", ("--units", "cm")), ("f.ply", ("--up", "z"))):
@@ -220,6 +230,8 @@ class Velocity(harness.CliTest):
             found.append(values[0][0] / (0.1 * FPS))
         return found
 
+    # Promise of attributes.md: In a sequence "the neighbours are that input at the frames before and after"; "An animated glTF
+    #   needs neither option"
     def test_a_sequence(self):
         self.write_frames((1, 2, 3))
         words = ("fractal", "in.####.obj", *self.LOW, "--mesh", "f.####.ply")
@@ -235,12 +247,14 @@ class Velocity(harness.CliTest):
         self.ok(*words, "--frames", "2")
         self.assertAlmostEqual(self.frame_velocities((2,))[0], 4, places=4)
 
+    # Promise: In a sequence "the neighbours ..."
     def test_every_second_frame(self):
         self.write_frames((1, 3, 5))
         self.ok("fractal", "in.####.obj", *self.LOW, "--mesh", "f.####.ply", "--frames", "1-5x2", "--fps", 48)
         for found, wanted in zip(self.frame_velocities((1, 3, 5)), (4, 6, 8)):
             self.assertAlmostEqual(found / 2, wanted, places=4)
 
+    # Promise of motion.md: Half frames: "they are one frame apart, so `--fps` is twice the rate of the film"
     def test_half_frames_of_a_shutter(self):
         """A target at t^3 goes by 3 t^2 + 1 a frame from the frame before to the frame after, and by 3 t^2 + 1/4 between the half
         frames about it, which have twice the rate."""
@@ -253,6 +267,7 @@ class Velocity(harness.CliTest):
             for frame in (1, 2):
                 self.assert_near(self.velocities(f"f.000{frame}.ply")[1], [0.1 * FPS * (3 * frame ** 2 + beside), 0, 0], 1e-3)
 
+    # Promise: In a sequence "the neighbours ..."
     def test_a_plan_of_frames(self):
         self.write_frames((1, 2, 3))
         self.ok("plan", "frames", "in.####.obj", "--frames", "1-3", *self.LOW, "--make", "ply", "-o", "plan")
@@ -262,6 +277,7 @@ class Velocity(harness.CliTest):
             self.assertEqual(self.bytes(f"f.{n:04d}.ply").split(b"end_header")[1],
                              self.bytes(f"plan/out/in.{n:04d}.ply").split(b"end_header")[1])
 
+    # Promise: In a sequence "the neighbours ..."
     def test_a_gap_is_found_before_the_first_frame(self):
         self.write_frames((1, 3))
         self.refused(NO_INPUT, "fractal", "in.####.obj", *self.LOW, "--frames", "1-3", "--mesh", "f.####.ply",
@@ -282,6 +298,7 @@ class Velocity(harness.CliTest):
         for frame in (1, 2, 3):
             self.assertRegex(text, rf"warning: frame {frame}: .*in\.0002\.obj")
 
+    # Promise: In a sequence "the neighbours ..."
     def test_an_animated_gltf_plays(self):
         gltf = test_animation.Gltf()
         node = gltf.node(mesh=gltf.mesh(*self.ball))

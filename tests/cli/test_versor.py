@@ -74,6 +74,7 @@ class Versor(harness.CliTest):
                 self.ok(*note[1:], "-o", "two.json")
                 self.assertEqual(self.bytes("one.json"), self.bytes("two.json"))
 
+    # Promise: Waves in files: "changed ..."
     def test_textures(self):
         """A texture is what its file holds, and its seed is that of the fractal's option."""
         self.write("s.obj", harness.obj(harness.sphere(2)))
@@ -109,6 +110,8 @@ class Versor(harness.CliTest):
             with self.subTest(refused=refused):
                 self.refused(USAGE, *refused)
 
+    # Promise of textures.md: Waves in files: "changed by a script, its waves are a texture of your own that follows the
+    #   thickness"
     def test_waves_of_a_file(self):
         """They are those of the texture, with its seed, its frequency, its scale and its place, and in both layers."""
         self.write("s.obj", harness.obj(harness.sphere(2)))
@@ -158,6 +161,7 @@ class Versor(harness.CliTest):
         self.assertEqual(self.roots("y.json")[0], (1, 2, 3, 4, 5))
         self.assertEqual(json.loads(self.bytes("y.json"))["logScale"], 0.5)
 
+    # Promise: Files of the released programs ...
     def test_the_formats_of_the_released_programs(self):
         self.write("p.p4d", harness.p4d(harness.ROOTS, 2.0))
         self.ok("versor", "scale", "p.p4d", 1, "-o", "p.json")

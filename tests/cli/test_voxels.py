@@ -26,6 +26,8 @@ class Voxels(harness.CliTest):
         self.write("s.obj", harness.obj(harness.sphere(3)))
         self.write("thin.obj", plate(0.06))
 
+    # Promise of textures.md: Where "more than a quarter of it is narrower than two voxels", `fractal` and `plan tiles` say so,
+    #   "and name a resolution that shows all but a tenth"
     def test_what_is_finer_is_said_with_a_resolution_that_shows_it(self):
         said = self.ok("fractal", "thin.obj", *COARSE, "--mesh", "t.ply")
         share, resolution = re.search(r"warning: ([\d.]+) % of the texture is finer than two voxels; --resolution (\d+) shows",
@@ -37,9 +39,12 @@ class Voxels(harness.CliTest):
         self.assertRegex(self.ok("fractal", "thin.obj", "--sdf-resolution", 100, "--voxel-size", 0.07, "--mesh", "t.ply"),
                          r"finer than two voxels; --voxel-size [\d.e-]+ shows")
 
+    # Promise: Where "more than a quarter ..."
     def test_nothing_is_said_where_it_shows(self):
         self.assertNotIn("warning", self.ok("fractal", "s.obj", "--resolution", 60, "--sdf-resolution", 100, "-o", "s.vdb"))
 
+    # Promise of controls.md: Where the core that detail leaves "is thinner than two voxels", the program says so, and "names a
+    #   resolution that is high enough"
     def test_a_thin_core_is_said(self):
         said = self.ok("fractal", "thin.obj", "--resolution", 60, "--sdf-resolution", 100, "--detail", 0.8, "--mesh", "t.ply")
         self.assertRegex(said, r"warning: .*under [\d.]+ % of the surface the core that --detail leaves is thinner than two voxels")
@@ -53,6 +58,8 @@ class Voxels(harness.CliTest):
         self.assertTrue(0 <= counts["coreBelowTwoVoxels"] <= 1)
         self.assertNotIn("resolution", counts)
 
+    # Promise of textures.md: "The recipe holds the number that was chosen, so that it gives the same bytes on a machine with
+    #   other memory"; a sequence "has one number for all of its frames"
     def test_auto_records_the_number_and_has_its_bytes(self):
         box = ("--sdf-resolution", 100, "--box=-0.2,-1,-0.2,0.2,1,0.2")
         said = self.ok("fractal", "thin.obj", *box, "--resolution", "auto", "-o", "a.vdb", "--mesh", "a.ply")
@@ -64,11 +71,13 @@ class Voxels(harness.CliTest):
         self.ok("fractal", "--config", "a.vdb", "-o", "c.vdb")
         self.assertEqual(self.bytes("a.vdb"), self.bytes("c.vdb"))
 
+    # Promise: "The recipe holds the number ..."
     def test_auto_keeps_within_the_memory(self):
         said = self.ok("fractal", "thin.obj", "--sdf-resolution", 100, "--resolution", "auto", "--memory", "190M", "--mesh", "a.obj")
         number, = re.findall(r"^resolution (\d+): limited by the memory", said, re.MULTILINE)
         self.assertLess(int(number), 300)
 
+    # Promise: "The recipe holds the number ..."
     def test_a_sequence_and_plans_have_one_number(self):
         frames = ("thin.obj", "--sdf-resolution", 100, "--box=-0.1,-1,-0.1,0.1,1,0.1", "--resolution", "auto", "--frames", "1-2",
                   "--key", "frequency@1=1.5", "--key", "frequency@2=2")
@@ -92,6 +101,7 @@ class Voxels(harness.CliTest):
             ("fractal", "s.obj", "--sdf-resolution", "Auto", "-o", "x.vdb"),
             ("fractal", "s.obj", "--sdf-resolution", "auto", "--sdf-voxel-size", 0.1, "-o", "x.vdb")], mentions=["resolution"])
 
+    # Promise: "`auto`, the default, takes ..."
     def test_thin_parts_get_finer_distances(self):
         self.write("rod.obj", rod(0.03))
         low = ("--resolution", 60, "--detail", 0.2)
@@ -105,6 +115,7 @@ class Voxels(harness.CliTest):
         self.assertNotIn("sdf-resolution", self.ok("fractal", "s.obj", *low, "-o", "c.vdb"))
         self.assertEqual(self.info("c.vdb")["recipe"]["sdf-resolution"], "200")
 
+    # Promise: "`auto`, the default, takes ..."
     def test_a_sequence_of_meshes_has_one_number(self):
         self.write("r.0001.obj", rod(0.05))
         self.write("r.0002.obj", rod(0.025))

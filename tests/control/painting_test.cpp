@@ -109,6 +109,8 @@ constexpr double kNodeStep = 0.005;
 
 // ------------------------------------------------------------------------------------------------------------- paint
 
+// Promise of controls.md: "At every place the value is that of the nearest point of the mesh", constant along the
+//   normals
 TEST(Painting, HasTheValueOfTheNearestPointOfTheMesh) {
   const Mesh ball = slopedBall();
   const Mesh half = withoutTriangles(ball, [](const Vec3d& p) { return p[1] > 0.3; });
@@ -123,6 +125,7 @@ TEST(Painting, HasTheValueOfTheNearestPointOfTheMesh) {
   }
 }
 
+// Promise: "At every place the value ..."
 TEST(Painting, IsConstantAlongTheNormals) {
   const Control control = source("paint:wet:20:300")->bind(contextOf(slopedBall()));
   for (const Vec3d& at : pointsIn(BBoxd(Vec3d(-1), Vec3d(1)), 200)) {
@@ -172,6 +175,7 @@ TEST(Painting, MovesWithTheTarget) {
   }
 }
 
+// Promise of controls.md: "A wrong name is refused with a list of the attributes that the mesh has"
 TEST(Painting, RefusesAttributesThatCannotBeUsed) {
   const auto complaint = [](const std::string& text, const ControlContext& context) -> std::string {
     try {
@@ -223,6 +227,10 @@ std::string slopes(const std::string& extension) {
   return encodeImage(image, extension);
 }
 
+// Promise of controls.md: "`luminance` is 0.2126 red + 0.7152 green + 0.0722 blue", and "Points without a colour are
+//   white"
+// Promise of controls.md#pictures: A picture is read "through the mesh's texture coordinates", of corners on either
+//   side of a seam
 TEST(Texture, IsReadThroughTheCoordinatesOfCorners) {
   const TemporaryFolder folder;
   const std::string path = folder.write("slopes.exr", slopes("exr")).string();
@@ -247,6 +255,7 @@ TEST(Texture, IsReadThroughTheCoordinatesOfCorners) {
       }
 }
 
+// Promise: Attributes and pictures have ...
 TEST(Texture, RepeatsBeyondItsEdges) {
   const TemporaryFolder folder;
   const std::string path = folder.write("slopes.exr", slopes("exr")).string();
@@ -258,6 +267,7 @@ TEST(Texture, RepeatsBeyondItsEdges) {
     EXPECT_NEAR(again.at(Vec3d(2 * u - 1, 0.1, 1)), once.at(Vec3d(2 * u - 1, 0.1, 1)), 1e-5) << u;
 }
 
+// Promise of controls.md: Attributes and pictures have the values "as they are in the file"
 TEST(Texture, ValuesAreThoseOfTheFile) {
   // The code 128 of a PNG is 128 / 255, not the light that it stands for; and detail finer than the lattice is
   // averaged.
@@ -298,6 +308,7 @@ double fallen(double distance, double reach, double near, double far) {
   return near + (far - near) * t * t * (3 - 2 * t);
 }
 
+// Promise of controls.md: The distance to a brush: NEAR on it and inside it, FAR "from DISTANCE on"
 TEST(Near, FollowsTheDistanceToAnotherMesh) {
   const TemporaryFolder folder;
   const ControlContext context = contextOf(makeBox(Vec3d(-1, -0.5, -0.5), Vec3d(1, 0.5, 0.5)));
@@ -333,6 +344,7 @@ TEST(Near, FollowsTheDistanceToAnotherMesh) {
   }
 }
 
+// Promise: The distance to a brush: NEAR ...
 TEST(Near, FarFromTheBrushItIsFar) {
   const TemporaryFolder folder;
   const std::string path = folder.write("far.ply", plyOf(makeCube(1, Vec3d(1e5, 0, 0)))).string();
@@ -343,6 +355,7 @@ TEST(Near, FarFromTheBrushItIsFar) {
 
 // -------------------------------------------------------------------------------------------------------------- expr
 
+// Promise: `curvature` is "positive on ridges, negative ..."
 TEST(ExpressionControl, KnowsThePlaceAndTheBall) {
   // A ball of radius 3 off the origin: its longest side is 6, so that curvature is 6 / 3.
   const Vec3d centre(5, -2, 1);
@@ -387,6 +400,8 @@ TEST(ExpressionControl, KnowsThePlaceAndTheBall) {
   EXPECT_EQ(choice.range(), std::pair(20.0, 300.0));
 }
 
+// Promise of controls.md: `curvature` is "positive on ridges, negative in hollows"; the variables of formulas are those
+//   of the table
 TEST(ExpressionControl, CurvatureHasItsSign) {
   // A ring: outside it is curved like a ball, about its hole like a saddle, less.
   Mesh ring;
@@ -413,6 +428,7 @@ TEST(ExpressionControl, CurvatureHasItsSign) {
   }
 }
 
+// Promise: `curvature` is "positive on ridges, negative ..."
 TEST(ExpressionControl, KnowsWhatIsPainted) {
   const ControlContext context = targetOf(slopedBall(), 0.04);
   const Control painted = source("paint:wet:20:300")->bind(context);
@@ -421,6 +437,7 @@ TEST(ExpressionControl, KnowsWhatIsPainted) {
     EXPECT_NEAR(written.at(point), painted.at(point), 1e-3);
 }
 
+// Promise of controls.md: A formula without a finite value: "the run stops and says where"
 TEST(ExpressionControl, RefusesWhatItCannotCompute) {
   const ControlContext context = targetOf(slopedBall(), 0.04);
   const std::pair<const char*, const char*> cases[] = {

@@ -51,6 +51,8 @@ double sampledDistance(const Mesh& from, const Mesh& to) {
   return most;
 }
 
+// Promise: "`--adaptivity 0.2` leaves out ..."
+// Promise: `--tolerance`: "neither mesh is farther ..."
 TEST(AdaptiveMesh, StaysClosedAndWithinTheBoundOfBothSurfaces) {
   const Mesh mesh = horned(5);
   std::size_t before = mesh.triangles.size() + 1;

@@ -62,6 +62,7 @@ TEST_F(DistanceBand, HoldsAllNodesWithinItsWidth) {
   }
 }
 
+// Promise of design.md: "Signs are those of `tools::meshToVolume`"
 TEST_F(DistanceBand, SidesAreThoseOfMeshToVolume) {
   const Mesh meshes[] = {makeSphere(15, 4, Vec3d(0.2, 0.1, 0.4)),
                          makeBox(Vec3d(-12.3, -9.1, -20.7), Vec3d(11.9, 10.4, 3.2)),
@@ -104,6 +105,7 @@ TEST_F(DistanceBand, TheWholeInsideIsKnown) {
 }
 
 /// What lies in another solid bounds nothing.
+// Promise: "Signs are those of `tools::meshToVolume`"
 TEST_F(DistanceBand, BuriedTrianglesAreLeftOut) {
   const Mesh outer = makeSphere(30, 5), both = merged(outer, makeSphere(10, 4, Vec3d(5, 0, 0)));
   const FloatGrid::Ptr whole =

@@ -106,6 +106,8 @@ class HollowSolids : public testing::Test {
   Monitor mMonitor;
 };
 
+// Promise of targets.md: `--hollows keep`: "A part bounds a hollow if the number is 0 just inside of it, and a part in
+//   a hollow is a solid again, to any depth"; `fill` fills hollows
 TEST_F(HollowSolids, AnInnerPartIsACavityWhereTheWindingNumberIsZero) {
   const Mesh outer = fineSphere(1), inner = fineSphere(0.5);
   const DistanceTo shell = differenceOf(toBall(1), toBall(0.5));
@@ -117,6 +119,7 @@ TEST_F(HollowSolids, AnInnerPartIsACavityWhereTheWindingNumberIsZero) {
   expectDistances(makeSoup(merged(outer, flipped(inner)), 0), shell, {.hollows = 1});
 }
 
+// Promise: `--hollows keep`: "A part ..."
 TEST_F(HollowSolids, FilledTheyAreWhatTheOuterPartIsAlone) {
   const Mesh outer = fineSphere(1);
   const FloatGrid::Ptr solid = meshToSdf(outer, hollowBand(Hollows::Fill, 4, 4), mMonitor);
@@ -138,6 +141,7 @@ TEST_F(HollowSolids, WithoutAHollowKeepChangesNothing) {
                    *meshToSdf(mesh, hollowBand(Hollows::Fill, 4, 4), mMonitor));
 }
 
+// Promise: `--hollows keep`: "A part ..."
 TEST_F(HollowSolids, LevelsAlternate) {
   const DistanceTo three = unionOf(differenceOf(toBall(1.2), toBall(0.9)), toBall(0.6)),
                    four = differenceOf(three, toBall(0.3));
@@ -164,6 +168,7 @@ TEST_F(HollowSolids, CavitiesOfAnyShapeAndNumber) {
                   unionOf(differenceOf(toBall(0.8), toBall(0.4)), toBall(0.5, Vec3d(2, 0, 0))), {.hollows = 1});
 }
 
+// Promise: `--hollows keep`: "A part ..."
 TEST_F(HollowSolids, PartsThatCrossAreOneSurface) {
   const Vec3d aside(0.5, 0, 0);
   PartCounts found;

@@ -101,6 +101,7 @@ std::string refusal(const std::function<void()>& work, std::optional<vdbtools::R
   return {};
 }
 
+// Promise: A node "has the distance ..."
 TEST_F(MeshToSdf, SphereIsTheDistanceToASphere) {
   constexpr double h = 0.04;
   const Vec3d center(0.3, -1.7, 2.2);
@@ -133,6 +134,7 @@ TEST_F(MeshToSdf, GradientHasUnitLength) {
   EXPECT_LT(worst, 0.15);
 }
 
+// Promise: A node "has the distance ..."
 TEST_F(MeshToSdf, CubeIsTheDistanceToACube) {
   constexpr double h = 0.05;
   const FloatGrid::Ptr grid = convert(makeCube(2, Vec3d(0.011)), withVoxelSize(h));
@@ -169,6 +171,7 @@ TEST_F(MeshToSdf, BandsAreAsWideAsAskedFor) {
   }
 }
 
+// Promise: A closed mesh "may be oriented ..."
 TEST_F(MeshToSdf, OrientationDoesNotMatter) {
   const Mesh sphere = makeSphere(1, 4);
   const FloatGrid::Ptr outward = convert(sphere, withVoxelSize(0.05));
@@ -177,6 +180,7 @@ TEST_F(MeshToSdf, OrientationDoesNotMatter) {
   EXPECT_LT(largestError(*inward, [](const Vec3d& p) { return p.length() - 1; }), 0.15);
 }
 
+// Promise: "the same for a target of any ..."
 TEST_F(MeshToSdf, ScaleDoesNotMatter) {
   const Mesh sphere = makeSphere(1, 4);
   const FloatGrid::Ptr grid = convert(sphere, withVoxelSize(0.0625));
@@ -186,6 +190,7 @@ TEST_F(MeshToSdf, ScaleDoesNotMatter) {
   }
 }
 
+// Promise: "the same for a target of any ..."
 TEST_F(MeshToSdf, PlaceDoesNotMatter) {
   constexpr double h = 0.0625;
   Mesh sphere = makeSphere(1, 4);
@@ -211,6 +216,8 @@ TEST_F(MeshToSdf, SameFieldForAnyNumberOfThreads) {
   }
 }
 
+// Promise of targets.md: A closed mesh "may be oriented either way, cross itself, have inner walls, and consist of many
+//   parts"
 TEST_F(MeshToSdf, AcceptsClosedMeshesOfEveryKind) {
   const Mesh boxes = merged(makeCube(1), makeCube(1, Vec3d(0.5)));
   EXPECT_NEAR(insideVolume(*convert(boxes, withVoxelSize(0.03))), 2 - 0.125, 0.08);
@@ -284,6 +291,7 @@ TEST_F(MeshToSdf, StopsWhenCancelled) {
   }
 }
 
+// Promise: `--repair`: "a flat opening ..."
 TEST_F(RepairedMeshToSdf, LeavesAWholeMeshAsItIs) {
   const Mesh sphere = makeSphere(1, 4);
   const RepairedSdf result = repaired(sphere, 0.05);
@@ -336,6 +344,7 @@ TEST_F(RepairedMeshToSdf, ASoupOfLooseTriangles) {
   }
 }
 
+// Promise: A closed mesh "may be oriented ..."
 TEST_F(RepairedMeshToSdf, InnerWallsDoNotCount) {
   Mesh wall = makeCube(2);
   wall.points.insert(wall.points.end(), {Vec3d(0.013, -0.9, -0.9), Vec3d(0.013, 0.9, -0.9), Vec3d(0.013, 0.9, 0.9),

@@ -162,6 +162,8 @@ const std::vector<Arrangement>& arrangements() {
   return all;
 }
 
+// Promise of design.md: "Parts that run into each other" are "one shape": "the outer surface of their union" counts;
+//   where none do, "nothing changes, to the bit"
 TEST_F(OuterSurface, DistancesAreThoseOfTheUnion) {
   for (const auto& [name, given, parts] : arrangements()) {
     const Boxes boxes(given);
@@ -174,6 +176,7 @@ TEST_F(OuterSurface, DistancesAreThoseOfTheUnion) {
   }
 }
 
+// Promise: "Parts that run into each ..."
 TEST_F(OuterSurface, EachPartMayBeOrientedEitherWay) {
   const Boxes boxes(arrangements().front().boxes);
   const Mesh first = makeBox(Vec3d(0), Vec3d(1)), second = makeBox(Vec3d(0.6, 0.3, 0.4), Vec3d(1.7, 0.8, 0.9));
@@ -184,6 +187,7 @@ TEST_F(OuterSurface, EachPartMayBeOrientedEitherWay) {
   EXPECT_LT(worst(*meshToSdf(turned(merged(first, mixed)), kWhole, monitor), boxes), 1e-3);
 }
 
+// Promise: "Parts that run into each ..."
 TEST_F(OuterSurface, OnePartMayCrossItself) {
   // A square tube that comes back and runs through where it began.
   const double r = 0.15;
@@ -273,6 +277,7 @@ TEST_F(OuterSurface, APartIsExaminedOnlyWhereItMayCrossItself) {
   for (const HiddenPlace& place : placesOf(left)) EXPECT_FALSE(Eight::isDeep(place.point)) << place.point;
 }
 
+// Promise: "Parts that run into each ..."
 TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
   const double r = 0.7;
   const Vec3d a(0, 0, 0), b(0.9, 0.2, 0.1);
@@ -305,6 +310,7 @@ TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
   EXPECT_LT(worst(*phi, exact), 0.03);
 }
 
+// Promise: "Parts that run into each ..."
 TEST_F(OuterSurface, WhatDoesNotMeetIsLeftAsItIs) {
   const Mesh apart = merged(makeSphere(5, 3), makeBox(Vec3d(3.2, 3.2, 3.2), Vec3d(8, 8, 9))), one = makeSphere(9, 4);
   for (const Mesh& mesh : {apart, one, withoutTriangles(one, [](const Vec3d& p) { return p[2] > 8; })})
@@ -315,6 +321,7 @@ TEST_F(OuterSurface, WhatDoesNotMeetIsLeftAsItIs) {
   }
 }
 
+// Promise: "Parts that run into each ..."
 TEST_F(OuterSurface, AHollowBallIsInsideAsBeforeAndItsInnerWallIsNotSeen) {
   const Mesh ball = makeSphere(1, 5);
   for (const double inner : {0.5, 0.95}) {
@@ -327,6 +334,7 @@ TEST_F(OuterSurface, AHollowBallIsInsideAsBeforeAndItsInnerWallIsNotSeen) {
   }
 }
 
+// Promise: "Parts that run into each ..."
 TEST_F(OuterSurface, ACupStaysHollow) {
   // Four walls and a floor, which overlap at their corners.
   const Boxes cup({box(0, 0, 0, 1, 1, 0.1), box(0, 0, 0, 0.1, 1, 1), box(0.9, 0, 0, 1, 1, 1), box(0, 0, 0, 1, 0.1, 1),

@@ -30,6 +30,8 @@ std::vector<std::string> textsWith(const std::string& file) {
           "iterations:" + file + ".png"};
 }
 
+// Promise: "the page can read no other ..."
+// Promise: The page of `explore` "can ..."
 TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
   const vdbtools::MapRegistry maps = vdbtools::builtInMaps();
   const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
@@ -85,6 +87,7 @@ TEST(FileAccess, NoOptionThatNamesAFileIsForgotten) {
   EXPECT_GT(named, 10);
 }
 
+// Promise: "the page can read no other ..."
 TEST(FileAccess, NamesThatCannotLeaveAFolder) {
   for (const char* name : {"a", "look-1", "My look.2", "_x", "a..b", "0"})
     EXPECT_NO_THROW(vdbtools::explore::requireFileName(name));

@@ -111,6 +111,7 @@ class PageVolume {
   std::array<int, 3> mDims;
 };
 
+// Promise: An exported page is one file ...
 TEST_F(SceneDataTest, theVolumeIsTheExponentWithinItsError) {
   Recipe recipe = target();
   recipe["alpha"] = "12";
@@ -134,6 +135,7 @@ TEST_F(SceneDataTest, theVolumeIsTheExponentWithinItsError) {
   EXPECT_GT(undecided, 100) << "the points say nothing of the shell";
 }
 
+// Promise: The page shows a texture ...
 TEST_F(SceneDataTest, theVolumesOfAGrainAreTheFieldsThatItsVersorReads) {
   Recipe recipe = target();
   recipe.merge(Recipe{{"texture", "fur"}, {"grain", "0,1,0"}, {"drop-axis", "j"}});
@@ -300,6 +302,7 @@ TEST(PageGradients, areThoseOfTheProgram) {
   EXPECT_EQ(count, 6);
 }
 
+// Promise: An exported page is one file ...
 TEST_F(SceneDataTest, anExportedPageAsksForNothing) {
   const Scene made = scene({{"map", "cross"}, {"f", "x<1 ? x : y,y*y,z*z"}, {"g", "cos(x),cos(y),cos(z)"}});
   const std::string page = exportPage(made, {{"map", "cross"}}, {}, mMonitor);

@@ -37,6 +37,7 @@ std::vector<std::string> wordsOfShell(const std::string& command) {
   return words;
 }
 
+// Promise: "*Copy command* gives the command ..."
 TEST(ShellCommand, AShellReadsTheWordsThatWereMeant) {
   std::vector<std::string> words = {"",   "plain", "two words", "it's", "''", "$HOME", "`id`",
                                     "\\", "a\nb",  "*",         "~",    "#x", "!",     "a=b",
@@ -53,6 +54,7 @@ TEST(ShellCommand, AShellReadsTheWordsThatWereMeant) {
   EXPECT_EQ(wordsOfShell(command), words);
 }
 
+// Promise: "*Copy command* gives the command ..."
 TEST(ShellCommand, EveryOptionIsInTheCommand) {
   const vdbtools::OptionTable table = vdbtools::fractalOptionTable();
   const Recipe recipe = {{"input", "it's mine.obj"},

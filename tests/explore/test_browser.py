@@ -106,6 +106,8 @@ class Browser(browser.BrowserTest):
             picture.dispatchEvent(new PointerEvent(kind, { pointerId: id, bubbles: true, button: 0,
               clientX: box.left + x * box.width, clientY: box.top + y * box.height }));""", kind, x, y, identity)
 
+    # Promise: "*Material*, *Light*, *Sky*, *Exposure*, *Ground* ..."
+    # Promise: "The address always holds ..."
     def test_a_look_comes_back(self):
         """By its address, by the command, by a file that was made, and by a file that was saved."""
         self.open_page()
@@ -203,6 +205,8 @@ class Browser(browser.BrowserTest):
         return self.run_script("return [...document.querySelectorAll(arguments[0])].map((one) => one.getBoundingClientRect())"
                                ".map((box) => [box.left, box.top, box.right, box.bottom])", selector)
 
+    # Promise of explore.md: "*Show sixteen* fills the stage with sixteen pictures", "four by four", which "arrive one by one"; a
+    #   look that cannot be says so in its place
     def test_sixteen_looks_to_choose_from(self):
         self.open_page()
         self.settle()
@@ -223,6 +227,7 @@ class Browser(browser.BrowserTest):
             self.button("Close").click()
         self.assertEqual(self.errors(), [])
 
+    # Promise: "*Show sixteen* fills the stage ..."
     def test_the_looks_are_large_and_on_the_stage(self):
         self.open_page()
         self.settle()
@@ -267,6 +272,7 @@ class Browser(browser.BrowserTest):
         self.assertLessEqual(strip[2] - parts[1][2], 12)
         self.assertEqual(self.errors(), [])
 
+    # Promise: "*Show sixteen* fills the stage ..."
     def test_the_looks_arrive_one_by_one(self):
         self.open_page()
         self.settle()
@@ -279,6 +285,8 @@ class Browser(browser.BrowserTest):
         self.show_sixteen("Detail")
         self.assertEqual([some for some in self.run_script("return arrived") if some], [[i] for i in range(16)])
 
+    # Promise of explore.md: "*Vary* shows sixteen neighbours", "The same look always has the same neighbours", and *Back* shows
+    #   the sixteen from before: "nothing is asked for again"
     def test_a_look_is_varied_again_and_there_is_a_way_back(self):
         self.open_page()
         self.settle()
@@ -325,6 +333,8 @@ class Browser(browser.BrowserTest):
         self.assertFalse(self.button("Back").is_enabled())
         self.assertEqual(self.errors(), [])
 
+    # Promise of explore.md#sixteen-looks-to-choose-from: Looks are kept, compared "side by side", and reached by keys; a kept
+    #   look is that of the command
     def test_a_look_that_is_kept_is_that_of_the_command(self):
         self.open_page()
         self.settle()
@@ -353,6 +363,7 @@ class Browser(browser.BrowserTest):
         self.assertEqual(self.finds(".kept-look"), [])
         self.assertEqual(self.errors(), [])
 
+    # Promise: Looks are kept, compared ...
     def test_looks_are_compared(self):
         self.open_page()
         self.size(1280, 800, 0.1)
@@ -383,6 +394,7 @@ class Browser(browser.BrowserTest):
         self.assertEqual(self.state()["recipe"], looks[9][1])
         self.assertEqual(self.errors(), [])
 
+    # Promise: Looks are kept, compared ...
     def test_the_looks_by_keys(self):
         self.open_page()
         self.settle()
@@ -415,6 +427,7 @@ class Browser(browser.BrowserTest):
         self.assertFalse(self.is_open())
         self.assertEqual(self.errors(), [])
 
+    # Promise: "*Show sixteen* fills the stage ..."
     def test_a_look_that_cannot_be_says_so_in_its_place(self):
         self.open_page()
         self.settle()
@@ -430,6 +443,7 @@ class Browser(browser.BrowserTest):
 
     # --------------------------------------------------------------------------------------------- turns and keys
 
+    # Promise of explore.md: "*Turntable* turns the camera about the target"
     def test_the_turntable(self):
         self.open_page()
         self.settle()
@@ -458,6 +472,7 @@ class Browser(browser.BrowserTest):
         self.assertEqual(eye(), stopped)
         self.assertEqual(self.errors(), [])
 
+    # Promise: A frame between keys is "blended ..."
     def test_from_key_frames_to_a_sequence(self):
         self.open_page()
         self.settle()
@@ -502,6 +517,8 @@ class Browser(browser.BrowserTest):
 
     # ---------------------------------------------------------------------------------------------- the controls
 
+    # Promise of explore.md: "What matters first is open at the top"; every other option is found by typing; the shelf shows each
+    #   texture "on your own target"
     def test_what_matters_first_is_first(self):
         self.open_page()
         self.settle()
@@ -521,6 +538,7 @@ class Browser(browser.BrowserTest):
         self.assertNotIn("error", self.find(".status").get_attribute("class"))
         self.assertEqual(self.errors(), [])
 
+    # Promise: The page shows a texture ...
     def test_a_grain(self):
         self.open_page()
         self.settle()
@@ -572,6 +590,7 @@ class Browser(browser.BrowserTest):
         self.assertEqual(list(shown()), [])
         self.assertEqual(self.errors(), [])
 
+    # Promise of explore.md: "What the program refuses is said beside its control, in its own words"
     def test_what_is_wrong_is_answered_beside_its_control(self):
         self.open_page()
         self.settle()
@@ -592,6 +611,7 @@ class Browser(browser.BrowserTest):
             self.wait_until(lambda: not beside(), "the end of it")
         self.driver.get_log("browser")  # refused requests are told there
 
+    # Promise: "A gradient runs over the numbers ..."
     def test_a_range_and_a_ramp_of_ones_own(self):
         self.open_page()
         self.settle()
@@ -608,6 +628,7 @@ class Browser(browser.BrowserTest):
         self.assertEqual([one.get_property("value") for one in self.finds("[data-name=colour] input[type=text]") if one.is_displayed()], ["#102030,#ffffff"])
         self.assertEqual(self.errors(), [])
 
+    # Promise: "*Mesh preview* shows the mesh ..."
     def test_the_mesh_and_what_was_made_are_shown(self):
         self.open_page()
         self.settle()
@@ -631,6 +652,7 @@ class Browser(browser.BrowserTest):
         self.assertIn("--material jade", self.find(".files textarea").get_property("value"))
         self.assertEqual(self.errors(), [])
 
+    # Promise: "What matters first is open ..."
     def test_a_control_is_found_by_typing(self):
         self.open_page()
         self.settle()
@@ -655,6 +677,7 @@ class Browser(browser.BrowserTest):
                                             " && (!one.closest('.unfound') || one.closest('[hidden]')))", option), option)
         self.assertEqual(self.errors(), [])
 
+    # Promise: "What matters first is open ..."
     def test_the_shelf_shows_the_target(self):
         pictures = "return [...document.querySelectorAll('.tile img')].filter((one) => one.dataset.own).map((one) => one.src)"
         self.open_page()
@@ -671,6 +694,7 @@ class Browser(browser.BrowserTest):
             self.assertEqual(set(self.run_script(pictures)) & set(first), set())
         self.assertEqual(self.errors(), [])
 
+    # Promise: "*Beside the target*", "*Drag ..."
     def test_drags(self):
         self.open_page()
         self.settle()
@@ -728,6 +752,8 @@ class Browser(browser.BrowserTest):
         self.assertEqual(set(self.listing()) - before, {"look.vdb", "look.ply"})
         self.assertEqual(self.errors(), [])
 
+    # Promise of explore.md#the-picture: "*Beside the target*", "*Drag the origin in the picture*", and double-clicks that set a
+    #   control back
     def test_beside_the_target(self):
         self.open_page()
         self.settle()
@@ -736,6 +762,7 @@ class Browser(browser.BrowserTest):
         self.wait_until(lambda: self.colours(".target canvas") > 50, "the target's picture")
         self.assertEqual(self.errors(), [])
 
+    # Promise: An exported page is one file ...
     def test_the_exported_page_from_a_file(self):
         self.ok("explore", "s.obj", "--sdf-resolution", "40", "--detail", "0.4", "--export", "look.html")
         self.page.kill()

@@ -52,17 +52,21 @@ class Page(browser.BrowserTest):
         self.assertEqual(self.errors(), [])
         return len(page & exact) / len(page | exact)
 
+    # Promise of explore.md: The page's picture agrees with the exact one "to more than 0.99", for every kind of map
     def test_the_shape_of_a_target(self):
         self.assertGreaterEqual(self.silhouettes(*TORUS, "--detail", "0.5"), 0.97)
 
     def test_random_roots_another_axis_and_a_slice(self):
         self.assertGreaterEqual(self.silhouettes(*TORUS, "--texture-seed", "3", "--drop-axis", "j", "--slice", "0.1"), 0.97)
 
+    # Promise of explore.md: The page shows a texture along a grain as the program does: "the page reads all of them, also for
+    #   small pictures and in an exported page"
     def test_a_texture_along_a_grain(self):
         self.assertGreaterEqual(self.silhouettes(*TORUS, "--texture", "fur", "--grain", "along"), 0.97)
         self.assertGreaterEqual(self.silhouettes(*TORUS, "--texture", "shells", "--grain", "0,1,0", "--grain-turn", "30",
                                                  "--drop-axis", "i", "--detail", "0.5"), 0.97)
 
+    # Promise: The page's picture agrees ...
     def test_a_rational_map(self):
         top = [(0.1 * i, 0.05 * (i % 3), 0.1, 0.0, 3 + 0.5 * i) for i in range(4)]
         bottom = [(0.9, 0.3 * i, -0.4, 0.1, 2.5) for i in range(3)]
@@ -70,6 +74,7 @@ class Page(browser.BrowserTest):
         self.assertGreaterEqual(self.silhouettes("--map", "rational", "--rational", "map.json",
                                                  "--box=-1,-1,-1,1,1,1"), 0.97)
 
+    # Promise: The page's picture agrees ...
     def test_a_map_of_331_roots(self):
         # As many as the largest of [Kim15] has, around the shape of a ball.
         roots = [(0.6 * math.cos(2.4 * i) * math.sqrt(1 - (i / 165 - 1) ** 2), 0.6 * math.sin(2.4 * i) *
@@ -78,17 +83,21 @@ class Page(browser.BrowserTest):
         self.assertGreaterEqual(self.silhouettes("--map", "rational", "--rational", "map.json", "--iterations", "3",
                                                  "--box=-1,-1,-1,1,1,1"), 0.97)
 
+    # Promise: The page's picture agrees ...
     def test_a_cross_map(self):
         self.assertGreaterEqual(self.silhouettes("--map", "cross", "--iterations", "3"), 0.97)
 
+    # Promise: The page's picture agrees ...
     def test_a_pair_of_the_users(self):
         self.assertGreaterEqual(self.silhouettes("--map", "cross", "--f", "x^2, y*y, z>0 ? z*z : -z^2", "--g",
                                                  "cos(x), cos(y), cos(z)", "--scheme", "5", "--iterations", "3"), 0.97)
 
+    # Promise: The page's picture agrees ...
     def test_a_mandelbulb_and_a_quadratic_map(self):
         self.assertGreaterEqual(self.silhouettes("--map", "mandelbulb", "--theta", "pole", "--iterations", "3"), 0.97)
         self.assertGreaterEqual(self.silhouettes("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2"), 0.97)
 
+    # Promise of explore.md: "The light is that of the exact picture", "less than 12 of 255 from that of the exact picture"
     def test_the_light_and_the_colours_are_those_of_the_exact_picture(self):
         """The mean colour over the set, as sRGB, for each material and in other light; and a gradient over its range."""
         self.show(*TORUS, "--detail", "0.2")
@@ -121,6 +130,7 @@ class Page(browser.BrowserTest):
 
     # --------------------------------------------------------------------------------------------- the controls
 
+    # Promise: The page has "a slider for every ..."
     def test_every_control_changes_the_picture_and_can_be_undone(self):
         self.show(*TORUS)
         first, state = self.picture(), self.state()
@@ -149,6 +159,7 @@ class Page(browser.BrowserTest):
             self.assertIn(name, changed)
         self.assertEqual(self.errors(), [])
 
+    # Promise of explore.md: "The address always holds the whole look"
     def test_undo_redo_and_an_address_that_is_a_look(self):
         self.show(*TORUS)
         first = self.state()
@@ -164,6 +175,7 @@ class Page(browser.BrowserTest):
         self.assertEqual(self.run_script("return location.hash"), address)
         self.assertEqual(self.picture(), picture)
 
+    # Promise: "*Beside the target*", "*Drag ..."
     def test_a_double_click_sets_a_control_back(self):
         self.show("--map", "quadratic", "--c=-0.2,0.6,0.2,0.2")
         first = self.state()

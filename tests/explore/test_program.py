@@ -116,6 +116,9 @@ class Program(ProgramTest):
         super().setUp()
         self.open()
 
+    # Promise of browser.md: Without a server: "Drop a mesh on it", and "*Save* below the files that were made hands them to the
+    #   browser"
+    # Promise of browser.md: Where the host sends no headers, "the page installs a service worker of its own that adds them"
     def test_from_a_mesh_to_a_file(self):
         self.choose("s.obj")
         self.wait_for_picture()
@@ -127,6 +130,7 @@ class Program(ProgramTest):
         self.assertEqual(bytes(read), self.path("made/look.vdb").read_bytes())
         self.assertEqual(self.errors(), [])
 
+    # Promise of browser.md: "The address holds the look, but not the mesh"
     def test_the_look_stays_for_another_mesh(self):
         self.choose("s.obj")
         self.wait_for_picture()
@@ -137,6 +141,7 @@ class Program(ProgramTest):
         self.wait_for_picture()
         self.assertEqual(self.recipe()["detail"], "0.7")
 
+    # Promise: Without a server: "Drop a mesh ..."
     def test_a_file_that_will_not_do_is_said_and_another_may_follow(self):
         self.write("notes.txt", "hello\n")
         self.write("broken.obj", "v 0 0 0\n")
@@ -146,6 +151,7 @@ class Program(ProgramTest):
         self.choose("s.obj")
         self.wait_for_picture()
 
+    # Promise: Without a server: "Drop a mesh ..."
     def test_a_drop_on_the_page_and_the_sample(self):
         self.run_script("""
           const files = new DataTransfer();
@@ -190,6 +196,7 @@ class WrongLinks(ProgramTest):
         self.choose("s.obj")
         self.wait_for_picture()
 
+    # Promise of browser.md: "a look that cannot be is refused in the program's words, and the first look is shown"
     def test_a_look_that_cannot_be_is_refused_and_the_first_one_is_shown(self):
         for what, (recipe, words) in self.REFUSED.items():
             with self.subTest(what):
@@ -202,6 +209,7 @@ class WrongLinks(ProgramTest):
                 self.assertEqual(self.finds("img[src=x]"), [])
         self.make()  # and the page goes on
 
+    # Promise: "a look that cannot be is refused ..."
     def test_what_is_no_look_is_ignored(self):
         for look in self.IGNORED:
             with self.subTest(look):
@@ -211,6 +219,7 @@ class WrongLinks(ProgramTest):
                 self.assertIsNone(self.run_script("return window.wasRun ?? null"))
         self.assertEqual(self.errors(), [])
 
+    # Promise: "a look that cannot be is refused ..."
     def test_the_words_are_those_of_the_program(self):
         self.open_look(self.look({"detail": "7"}))
         self.wait_until(self.said, "the refusal")
@@ -226,6 +235,8 @@ class WrongBrowsers(ProgramTest):
         number = self.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": script})["identifier"]
         self.addCleanup(self.driver.execute_cdp_cmd, "Page.removeScriptToEvaluateOnNewDocument", {"identifier": number})
 
+    # Promise of browser.md: Without WebGL 2, the page "shows the exact picture instead"; without vectors or WebAssembly, "the
+    #   first screen says what is missing"
     def test_without_webgl(self):
         """The exact picture stands in for the live one, and files are made."""
         self.before("""
@@ -246,17 +257,21 @@ class WrongBrowsers(ProgramTest):
         self.wait_until(lambda: "has no WebGL 2" in self.said(), "the refusal")
         self.assertEqual(self.errors(), [])
 
+    # Promise: Without WebGL 2, the page ...
     def test_without_vectors(self):
         self.before("WebAssembly.validate = () => false;")
         self.open()
         self.assertIn("This browser has no vector instructions in WebAssembly", self.status())
         self.assertTrue(all(not one.is_enabled() for one in self.finds(".begin button")))
 
+    # Promise: Without WebGL 2, the page ...
     def test_without_web_assembly(self):
         self.before("delete globalThis.WebAssembly;")
         self.open()
         self.assertIn("This browser has no WebAssembly", self.status())
 
+    # Promise of browser.md#when-something-goes-wrong: "Files above 1 GiB are refused by their size", and files that would not fit
+    #   into memory "before they are begun"
     def test_a_file_that_no_page_can_hold(self):
         """It is refused by its size alone, before anything of it is read."""
         self.open()
@@ -267,6 +282,7 @@ class WrongBrowsers(ProgramTest):
         self.choose("s.obj")
         self.wait_for_picture()
 
+    # Promise of browser.md: "If you close or reload it in the middle, nothing is left"
     def test_a_tab_that_is_closed_while_files_are_made(self):
         self.open()
         self.choose("s.obj")
@@ -292,6 +308,7 @@ class BesideAnExportedPage(ProgramTest):
         self.driver.get(self.host.url + "look.html")
         self.wait_for_picture()
 
+    # Promise: An exported page is one file ...
     def test_the_program_beside_it_makes_files_of_the_look(self):
         self.open_exported()
         self.assertEqual(self.host.asked, [("GET", "/look.html")])  # unasked, it asks for nothing
@@ -302,6 +319,7 @@ class BesideAnExportedPage(ProgramTest):
         self.assertEqual(self.recipe()["detail"], "0.4")
         self.make()
 
+    # Promise: An exported page is one file ...
     def test_without_the_program_it_is_said(self):
         self.path("site/juliavdb").rename(self.path("elsewhere"))
         self.open_exported()
@@ -310,6 +328,7 @@ class BesideAnExportedPage(ProgramTest):
         self.assertEqual(self.host.asked, [("GET", "/look.html"), ("HEAD", "/juliavdb/worker.js")])
         self.assertIn("/look.html", self.driver.current_url)
 
+    # Promise: An exported page is one file ...
     def test_from_a_file_nothing_is_offered(self):
         self.driver.get(self.path("site/look.html").as_uri())
         self.wait_for_picture()

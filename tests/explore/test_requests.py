@@ -58,6 +58,7 @@ class Page(harness.CliTest):
             self.assertIn(texture["name"], listed)
         self.assertIn("vdb", start["formats"])
 
+    # Promise of README.md: The page has "a slider for every option", with the defaults of the command, and each of them acts
     def test_every_default_of_an_option_is_that_of_the_command(self):
         # A seed would make the texture another by default.
         words = ("--sdf-resolution", "32", "--resolution", "24", "--iterations", "3")
@@ -104,6 +105,7 @@ class Page(harness.CliTest):
             status, answer = page.post("scene", {"recipe": page.recipe(), "side": side})
             self.assertEqual((status, answer["error"]), (400, "'side' must be a whole number of nodes from 16 to 256"), side)
 
+    # Promise: The page shows a texture ...
     def test_a_scene_with_a_grain_has_two_volumes(self):
         page = self.serve("s.obj", "--sdf-resolution", "32", "--resolution", "24", "--texture", "fur", "--grain", "along")
         status, scene = page.post("scene", {"recipe": page.recipe()})
@@ -115,6 +117,7 @@ class Page(harness.CliTest):
         # Only the exponent of a small picture is smaller.
         self.assertTrue(page.post("scene", {"recipe": page.recipe(), "side": 16})[1]["grain"] == scene["grain"])
 
+    # Promise: "What was made before changes ..."
     def test_a_scene_does_not_depend_on_those_before_it(self):
         self.write("m.obj", harness.obj(harness.snowman()))
         self.ok("sdf", "m.obj", "-o", "m.vdb", "--resolution", 40)
@@ -191,6 +194,7 @@ class Page(harness.CliTest):
 
     # ----------------------------------------------------------------------------------------------------- pictures
 
+    # Promise: "*Copy command* gives the command ..."
     def test_a_picture_is_that_of_the_command(self):
         page = self.serve("s.obj", "--detail", "0.5", *QUICK)
         # Other looks first: what they leave behind must not show.
@@ -220,6 +224,8 @@ class Page(harness.CliTest):
     LOOK = {"material": "bronze", "light": "60,25", "sky": "0.6", "exposure": "0.5", "ground": "true", "background": "#203040"}
     VIEW = {"eye": [1.5, 1.2, -2], "lookAt": [0, 0.1, 0], "up": [0, 1, 0], "fov": 40}
 
+    # Promise of explore.md: "*Material*, *Light*, *Sky*, *Exposure*, *Ground* and *Background* are the options of `juliavdb
+    #   render`", and *Copy picture command* gives that of the exact picture
     def test_the_light_of_a_picture_is_that_of_the_command(self):
         page = self.serve("s.obj", *QUICK)
         body = {"recipe": page.recipe(), "width": 60, "height": 40, "view": self.VIEW}
@@ -241,6 +247,8 @@ class Page(harness.CliTest):
         cut = page.post("picture", {**body, "look": {"background": "none"}})[1]
         self.assertEqual((cut[25], plain[25]), (6, 2))
 
+    # Promise: "*Material*, *Light*, *Sky*, *Exposure*, *Ground* ..."
+    # Promise: "What the program refuses ..."
     def test_what_a_look_says_is_read_by_the_program(self):
         page = self.serve("s.obj", *QUICK)
         usual = page.post("look", {"look": {}})[1]
@@ -259,6 +267,7 @@ class Page(harness.CliTest):
         for wrong in (7, [], {"nosuch": "1"}, {"sky": 1}):
             self.assertEqual(page.post("look", {"look": wrong})[0], 400, wrong)
 
+    # Promise of explore.md: "A gradient runs over the numbers that occur", "or over a range of your own"
     def test_the_colours_of_a_scene_have_the_range_of_the_command(self):
         """A range that the page is told makes the picture that has none."""
         page = self.serve("s.obj", *QUICK)
@@ -281,6 +290,8 @@ class Page(harness.CliTest):
             self.assertEqual(status, 400, answer)
             self.assertIn(f"--colour is '{wrong}'", answer["error"])
 
+    # Promise of explore.md: "*Mesh preview* shows the mesh that *Make* makes, at the resolution that stands there, by the same
+    #   camera and in the same light"
     def test_the_mesh_and_what_was_made_are_seen_by_the_same_camera(self):
         page = self.serve("s.obj", *QUICK)
         frame = page.post("scene", {"recipe": page.recipe()})[1]["frame"]
@@ -347,6 +358,7 @@ class Page(harness.CliTest):
         self.assertEqual(status, 200, answer)
         return answer["job"]
 
+    # Promise of explore.md: "*Copy command* gives the command line that makes the same files"
     def test_make_gives_the_bytes_of_the_command_that_the_page_shows(self):
         self.path("out").mkdir()
         page = self.serve("s.obj", "--folder", "out", *QUICK)
@@ -369,6 +381,7 @@ class Page(harness.CliTest):
                        check=True, stderr=subprocess.PIPE)
         self.assertEqual({name: self.path("out").joinpath(name).read_bytes() for name in made}, made)
 
+    # Promise: "the program says how many, as do tasks ..."
     def test_a_job_tells_what_halves_cannot_hold(self):
         self.write("large.obj", harness.obj(harness.moved(harness.torus(around=24, across=12), 1e6, (0, 0, 0))))
         for target, expected in (("s.obj", 0), ("large.obj", 1)):
@@ -377,6 +390,8 @@ class Page(harness.CliTest):
             self.assertEqual((job["state"], len(job["warnings"])), ("done", expected), job)
         self.assertRegex(job["warnings"][0], r"^\d+ values of the grid surface are beyond what 16 bits hold")
 
+    # Promise of motion.md: "The page of `explore` shows the target at rest. What it makes, and the commands that it writes,
+    #   follow the pose"
     def test_a_target_that_moves_is_shown_at_rest_and_made_in_its_pose(self):
         points, faces = harness.torus(around=24, across=12)
         self.write("pose.obj", harness.obj(([(x, y + 0.4 * x * x, z) for x, y, z in points], faces)))
@@ -394,6 +409,8 @@ class Page(harness.CliTest):
         self.ok("fractal", "pose.obj", "--rest", "s.obj", "--detail", 0.6, *QUICK, "--mesh", "one.ply")
         self.assertEqual(harness.read_ply(made).points, harness.read_ply(self.bytes("one.ply")).points)
 
+    # Promise of explore.md: A frame between keys is "blended as `juliavdb plan frames` does it", and the command "plans these
+    #   frames"
     def test_a_sequence_is_that_of_the_command_that_the_page_shows(self):
         page = self.serve("s.obj", *QUICK)
         keys = [{"frame": frame, "recipe": page.recipe(**options)} for frame, options in
@@ -422,6 +439,7 @@ class Page(harness.CliTest):
             made, planned = self.path(f"frame{frame}.vdb"), self.path(folder) / "out" / f"a b.{frame:04}.vdb"
             self.assertEqual(made.read_bytes(), planned.read_bytes())
 
+    # Promise: A frame between keys is "blended ..."
     def test_sequences_that_cannot_be(self):
         page = self.serve("s.obj", *QUICK)
         a, b = page.recipe(detail="0.2", texture="fur"), page.recipe(detail="0.5", texture="fur")
@@ -490,6 +508,7 @@ class Page(harness.CliTest):
         self.assertEqual("juliavdb: " + job["error"], run.stderr.decode().strip().splitlines()[-1])
         self.assertEqual(self.listing(), ["s.obj"])
 
+    # Promise: "the page can read no other ..."
     def test_nothing_is_replaced_unasked(self):
         page = self.serve("s.obj", *QUICK)
         self.write("look.vdb", "mine")
@@ -504,6 +523,7 @@ class Page(harness.CliTest):
         self.assertEqual(job["state"], "done", job)
         self.assertNotEqual(self.bytes("look.vdb"), b"mine")
 
+    # Promise: "No output replaces an input", through ...
     def test_no_input_is_replaced(self):
         """Not even where the page allows it: the target, a picture of the look, the fractal that is shown."""
         self.ok("fractal", "s.obj", *QUICK, "-o", "look.vdb")
@@ -517,6 +537,7 @@ class Page(harness.CliTest):
             self.assertIn(f"{name}.{kind}", answer["error"])
         self.assertEqual({name: self.bytes(name) for name in before}, before)
 
+    # Promise: "No output replaces an input", through ...
     def test_the_targets_of_recipes_are_inputs(self):
         """Also where only the voxels are used: the target is a level set that a recipe has made."""
         self.ok("sdf", "s.obj", "-o", "level.vdb", "--resolution", 24)
@@ -530,6 +551,7 @@ class Page(harness.CliTest):
 
     # ---------------------------------------------------------------------------------------------- recipes of files
 
+    # Promise: A target or a control "whose ..."
     def test_a_target_that_has_changed_is_read_again(self):
         """All that the page shows is of the file as it is now, also where the same look was kept."""
         first = self.bytes("s.obj")
@@ -554,6 +576,7 @@ class Page(harness.CliTest):
         self.write("s.obj", first)
         self.assertEqual(shown(), before)
 
+    # Promise of explore.md: What is made, saved or exported "can be dropped on the page"
     def test_the_recipe_of_what_was_made(self):
         page = self.serve("s.obj", *QUICK)
         words = QUICK[:-2]
@@ -582,6 +605,7 @@ class Page(harness.CliTest):
         status, answer = page.post("recipe?name=look.txt", text.encode(), "application/octet-stream")
         self.assertEqual(status, 403, answer)
 
+    # Promise: What is made, saved or exported ...
     def test_hostile_files(self):
         page = self.serve("s.obj", *QUICK)
         self.ok("fractal", "s.obj", *QUICK, "-o", "a.vdb", "--mesh", "a.ply")
@@ -606,6 +630,7 @@ class Page(harness.CliTest):
         status = pathlib.Path(f"/proc/{page.process.pid}/status").read_text()
         self.assertLess(int(status.partition("VmHWM:")[2].split()[0]), 1500 * 1024, "kB: a size in a file was believed")
 
+    # Promise: "Files above 1 GiB are refused ..."
     def test_files_that_do_not_fit_are_refused_before_they_are_begun(self):
         """Where addresses end; the page as WebAssembly has 4 GiB of them."""
         page = self.serve("s.obj", *QUICK)
@@ -623,6 +648,8 @@ class Page(harness.CliTest):
 
     # -------------------------------------------------------------------------------------------------------- export
 
+    # Promise of explore.md: An exported page is one file that asks for nothing before its button *Make files* is pressed, "at no
+    #   more than 160 places along an axis", and says how far it is off
     def test_export(self):
         self.ok("explore", "s.obj", *QUICK, "--export", "look.html")
         text = self.bytes("look.html").decode()

@@ -51,6 +51,7 @@ class Safety(harness.CliTest):
         self.assertRegex(self.page.url, r"^http://127\.0\.0\.1:\d+/[0-9a-f]{32}/$")
         self.assertNotEqual(self.serve("s.obj", *QUICK).key, self.page.key)
 
+    # Promise: "The server listens on this ..."
     def test_the_wrong_key(self):
         key = self.page.key
         wrong = ["", "x", key[:-1], key + "0", key.upper() if key.upper() != key else "0" * 32, "0" * 32, key[::-1] + "1",
@@ -70,6 +71,7 @@ class Safety(harness.CliTest):
         connection.close()
         self.assert_alive()
 
+    # Promise: "The server listens on this ..."
     def test_other_hosts(self):
         """An attacker's page whose name was pointed at this machine sends its own name."""
         port = self.page.port
@@ -84,6 +86,7 @@ class Safety(harness.CliTest):
         twice = f"Host: 127.0.0.1:{port}\r\nHost: evil.example\r\n\r\n"
         self.assertIn(b" 403 ", self.send((request + twice).encode()))
 
+    # Promise: "The server listens on this ..."
     def test_other_origins(self):
         port = self.page.port
         for origin, status in ((f"http://127.0.0.1:{port}", 200), ("http://evil.example", 403), ("null", 403),
@@ -96,6 +99,7 @@ class Safety(harness.CliTest):
         for kind in ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", ""):
             self.assertEqual(self.page.raw("POST", "command", b"{}", {"Content-Type": kind})[0], 415, kind)
 
+    # Promise: "The server listens on this ..."
     def test_headers_of_every_answer(self):
         for path, key in (("", None), ("start", None), ("nothing", None), ("start", "0" * 32)):
             _, headers, _ = self.page.raw("GET", path, key=key)
@@ -108,6 +112,7 @@ class Safety(harness.CliTest):
             self.assertEqual(headers["Cache-Control"], "no-store")
             self.assertNotIn("Access-Control-Allow-Origin", headers)
 
+    # Promise of explore.md: "The server listens on this machine only, and only to those who know the random key"
     def test_only_this_machine(self):
         sockets = [line.split() for line in pathlib.Path("/proc/net/tcp").read_text().splitlines()[1:]]
         listening = {fields[1] for fields in sockets if fields[3] == "0A"}
@@ -122,6 +127,8 @@ class Safety(harness.CliTest):
 
     # -------------------------------------------------------------------------------------------------- the file system
 
+    # Promise: "the page can read no other ..."
+    # Promise: The page of `explore` "can ..."
     def test_paths_that_lead_elsewhere(self):
         self.write("secret.txt", "secret")
         ways = ["../secret.txt", "page/../../secret.txt", "page/..%2f..%2fsecret.txt", "page/%2e%2e/%2e%2e/secret.txt",
@@ -135,6 +142,9 @@ class Safety(harness.CliTest):
             self.assertNotIn(b"secret", body)
             self.assertNotIn(b"root:", body)
 
+    # Promise of explore.md: "the page can read no other files than those of the command line", and writes into its folder alone
+    # Promise of SECURITY.md: The page of `explore` "can read the files of the command line and no others, and writes only into
+    #   the folder of `--folder`"
     def test_recipes_that_name_files(self):
         self.write("secret.ply", harness.ply(harness.cube()))
         self.write("secret.json", harness.rational_json(harness.ROOTS))
@@ -166,6 +176,7 @@ class Safety(harness.CliTest):
             self.assertEqual(self.page.post("make", body)[0], 403)
         self.assertEqual(self.page.get("jobs")[1], [])
 
+    # Promise: "the page can read no other ..."
     def test_files_of_the_command_line_may_be_used(self):
         self.write("mine.json", harness.rational_json(harness.ROOTS))
         self.write("brush.ply", harness.ply(harness.moved(harness.cube(), 0.3, (0.5, 0, 0))))
@@ -175,6 +186,8 @@ class Safety(harness.CliTest):
             self.assertEqual(status, 200, answer)
         self.assertEqual(page.post("scene", {"recipe": {**page.recipe(), "texture": "other.json"}})[0], 403)
 
+    # Promise: "the page can read no other ..."
+    # Promise: The page of `explore` "can ..."
     def test_names_of_files_to_make(self):
         before = self.listing()
         for name in ("", ".", "..", "../x", "a/b", "/tmp/x", "a\\b", ".hidden", "-o", " x", "x\0y", "x\ny", "ü", "a" * 101,
@@ -363,6 +376,7 @@ class Safety(harness.CliTest):
 
     # --------------------------------------------------------------------------------------------------------- the end
 
+    # Promise: "The server listens on this ..."
     def test_the_end(self):
         for by in (signal.SIGINT, signal.SIGTERM):
             page = self.serve("s.obj", *QUICK)

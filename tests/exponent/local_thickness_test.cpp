@@ -45,6 +45,8 @@ TEST(InscribedBall, IsThatOfABallWhereverItLiesOnTheLattice) {
   }
 }
 
+// Promise of design.md: `auto` takes the deepest place, "does not jump along parts of constant thickness, and among
+//   nearly equal balls it is the nearest"
 TEST(InscribedBall, TheDeepestPartWinsAndAmongEqualsTheNearest) {
   const Vec3d left(-0.3, 0, 0), right(0.3, 0, 0);
   const auto unequal = gridOf(balls({{left, 0.2}, {right, 0.25}}));
@@ -56,6 +58,7 @@ TEST(InscribedBall, TheDeepestPartWinsAndAmongEqualsTheNearest) {
   EXPECT_NEAR((largestInscribedBall(*equal, Vec3d(0.1, 0, 0)).centre - right).length(), 0, 0.1 * kThicknessVoxel);
 }
 
+// Promise: `auto` takes the deepest ...
 TEST(InscribedBall, MovesSmoothlyAlongARod) {
   const auto rod = gridOf([](const Vec3d& x) {
     const Vec3d end(std::clamp(x[0], -0.5, 0.5), 0, 0);
@@ -71,6 +74,7 @@ TEST(InscribedBall, RefusesAFieldWithoutAnInside) {
   EXPECT_THROW(localThickness(*gridOf([](const Vec3d&) { return 0.01; }), monitor), DataError);
 }
 
+// Promise of design.md: tau is "the radius of the largest ball that fits in the target and holds x"
 TEST(LocalThickness, OfABallIsItsRadiusAnywhere) {
   Monitor monitor;
   for (const double radius : {0.1, 0.3}) {
@@ -99,6 +103,7 @@ TEST(LocalThickness, NoPartOfABoxIsThickerThanTheBallThatFits) {
       }
 }
 
+// Promise: tau is "the radius of the largest ..."
 TEST(LocalThickness, OfAWallIsHalfItsWidth) {
   Monitor monitor;
   for (const double half : {0.013, 0.02, 0.05, 0.1}) {
@@ -114,6 +119,7 @@ TEST(LocalThickness, OfAWallIsHalfItsWidth) {
   }
 }
 
+// Promise: tau is "the radius of the largest ..."
 TEST(LocalThickness, IsThatOfAllBallsInTheShapeUpToTheSlope) {
   Monitor monitor;
   const auto phi = gridOf(test_fields::lumpy);
@@ -139,6 +145,7 @@ TEST(LocalThickness, IsThatOfAllBallsInTheShapeUpToTheSlope) {
   EXPECT_GT(compared, 100);
 }
 
+// Promise: "D tau grows with D everywhere", and for D ...
 TEST(LocalThickness, NeverRisesFasterThanItsSlope) {
   Monitor monitor;
   const auto phi = gridOf(balls({{Vec3d(-0.3, 0, 0), 0.25}, {Vec3d(0.1, 0, 0), 0.06}, {Vec3d(0.2, 0, 0), 0.06}}));

@@ -66,6 +66,7 @@ TEST(Estimate, AllTasksTellTheTotalAndALineIsFollowedExactly) {
   EXPECT_NEAR(few.high - few.low, 0, 1e-6 * line.total);
 }
 
+// Promise: `--estimate`: the truth lies ...
 TEST(Estimate, TheIntervalHoldsTheTotalNineteenTimesInTwenty) {
   std::mt19937 random(2);
   int held = 0;
@@ -121,6 +122,7 @@ TEST(Estimate, EqualWorksGiveTheMean) {
   EXPECT_GE(estimated.low, 18) << "less than the sample itself";
 }
 
+// Promise: "Counts have 64 bits everywhere: in the records ..."
 TEST(Estimate, AllTasksTellCountsThat32BitsDoNotHold) {
   std::vector<TaskWork> work;
   std::vector<SampledTask> sample;

@@ -23,6 +23,7 @@ KeyedOption keyed(const std::vector<std::string>& keys, const std::vector<std::s
 
 double numberAt(const KeyedOption& option, int frame) { return numberFromText(valueAt(option, frame)).value(); }
 
+// Promise: "`--frames LIST` means the same" ...
 TEST(Frames, AreAListOfRanges) {
   using List = std::vector<int>;
   EXPECT_EQ(parseFrames("3-6"), (List{3, 4, 5, 6}));
@@ -69,6 +70,7 @@ TEST(Frames, AreAListOfRanges) {
     EXPECT_THROW(parseFrames(bad), std::invalid_argument) << bad;
 }
 
+// Promise: Between two keys "every number ..."
 TEST(Keys, KeepTheirTextAndAreConstantOutside) {
   for (const char* ease : {"linear", "smooth", "step"}) {
     const KeyedOption option = keyed({"alpha@40=1e1", "alpha@10=40.0", "alpha@48=+120"}, {ease});
@@ -81,12 +83,14 @@ TEST(Keys, KeepTheirTextAndAreConstantOutside) {
   }
 }
 
+// Promise: "`--frames LIST` means the same" ...
 TEST(Keys, FramesMayBeNegative) {
   const KeyedOption option = keyed({"alpha@-10=0", "alpha@10=20"});
   EXPECT_EQ(valueAt(option, -11), "0");
   for (int frame = -10; frame <= 10; ++frame) EXPECT_NEAR(numberAt(option, frame), frame + 10, 1e-12);
 }
 
+// Promise of farm.md: Between two keys "every number in the option changes gradually"
 TEST(Keys, AreMonotonicBetweenTwo) {
   for (const char* ease : {"linear", "smooth"})
     for (const auto& [from, to] : {std::pair("0.1", "0.3"), {"-1e-9", "1e9"}, {"300", "-7.7"}}) {
@@ -111,6 +115,7 @@ TEST(Keys, LinearHasOneSlopeAndSmoothIsAtRestAtKeys) {
     EXPECT_NEAR(numberAt(smooth, frame) + numberAt(smooth, 1000 - frame), 1, 1e-14) << "odd about the middle";
 }
 
+// Promise: Between two keys "every number ..."
 TEST(Keys, NumbersOfAListAreBlendedOneByOne) {
   const KeyedOption list = keyed({"origin-shift@1=0,1,-2", "origin-shift@5=4,1,2"});
   EXPECT_EQ(valueAt(list, 2), "1,1,-1");

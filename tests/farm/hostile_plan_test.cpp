@@ -157,8 +157,11 @@ class HostilePlan : public testing::Test {
   Recipe mBase;
 };
 
+// Promise of reliability.md: "If somebody changes a plan and corrects its hash, `status`, `submit`, `task` and `merge`
+//   either refuse it with 65 or work with it"
 TEST_F(HostilePlan, OfTilesIsRefused) { expectRefusals(tiles({})); }
 
+// Promise: "If somebody changes a plan ..."
 TEST_F(HostilePlan, OfCountsIsRefused) {
   const fs::path folder = tiles({}, {"count"});
   Json islands = Json::parse(readWholeFile(folder / kManifestName));
@@ -168,6 +171,7 @@ TEST_F(HostilePlan, OfCountsIsRefused) {
   EXPECT_TRUE(isRefused(folder, "a count of islands"));
 }
 
+// Promise: "If somebody changes a plan ..."
 TEST_F(HostilePlan, OfFramesIsRefused) {
   const fs::path folder = mFolder.path() / "frames";
   writePlan(folder, planFrames({.base = mBase,
@@ -177,6 +181,7 @@ TEST_F(HostilePlan, OfFramesIsRefused) {
   expectRefusals(folder);
 }
 
+// Promise: "If somebody changes a plan ..."
 TEST_F(HostilePlan, OfCellsIsRefused) {
   Recipe base = mBase;
   base.erase("alpha");
@@ -188,6 +193,7 @@ TEST_F(HostilePlan, OfCellsIsRefused) {
 }
 
 // The hash of the file in the plan is made right as well.
+// Promise: "If somebody changes a plan ..."
 TEST_F(HostilePlan, APreparedSceneThatCannotBeIsRefused) {
   const fs::path folder = tiles({});
   const fs::path prepared = folder / "prepared.vdb";
@@ -207,6 +213,7 @@ TEST_F(HostilePlan, APreparedSceneThatCannotBeIsRefused) {
 }
 
 // A record that does not fit is a task that is not done, whatever is in it.
+// Promise: "If somebody changes a plan ..."
 TEST_F(HostilePlan, ARecordThatCannotBeIsThatOfATaskToBeMade) {
   const fs::path folder = tiles({});
   use(folder);

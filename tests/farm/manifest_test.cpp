@@ -102,6 +102,7 @@ TEST_F(ManifestTest, NeedsNeitherBoxesNorALattice) {
   }
 }
 
+// Promise: A changed plan, "Only this ..."
 TEST_F(ManifestTest, EveryChangeByHandIsNoticed) {
   const std::string text = encodeManifest(tiles());
   int changes = 0;
@@ -140,6 +141,7 @@ TEST_F(ManifestTest, AFolderWithoutOneIsNamed) {
   }
 }
 
+// Promise: A changed plan, "Only this ..."
 TEST(TaskHash, CoversAllThatTheResultDependsOn) {
   std::set<std::string> hashes;
   const std::vector<std::function<void(Manifest&)>> changes = {

@@ -111,6 +111,7 @@ class TaskTest : public ::testing::Test {
   Monitor mMonitor;
 };
 
+// Promise: "Counts have 64 bits everywhere: in the records ..."
 TEST_F(TaskTest, IsDoneOnceItsFilesAndItsRecordAreThere) {
   EXPECT_EQ(stateOf(2), TaskState::Missing);
   TaskRunner runner(mFolder, makeFiles);
@@ -141,6 +142,7 @@ TEST_F(TaskTest, IsNotMadeTwice) {
   EXPECT_FALSE(TaskRunner(mFolder, neverCalled).run(1, mMonitor));
 }
 
+// Promise: "a task that is done is left ..."
 TEST_F(TaskTest, IsMadeAgainIfItsRecordDoesNotFit) {
   const fs::path file = mFolder / "out/b.0001.vdb", sideCar = mFolder / "tasks/0001.json";
   const auto original = [&] { return readWholeFile(file); };
@@ -173,6 +175,7 @@ TEST_F(TaskTest, IsMadeAgainIfItsRecordDoesNotFit) {
   }
 }
 
+// Promise: "a task that is done is left ..."
 TEST_F(TaskTest, ACopiedFolderIsStillDone) {
   TaskRunner(mFolder, makeFiles).run(1, mMonitor);
   fs::last_write_time(mFolder / "out/b.0001.vdb", fs::file_time_type::clock::now() - std::chrono::hours(5));
@@ -225,6 +228,7 @@ TEST_F(TaskTest, AnInterruptionLeavesItMissing) {
   EXPECT_EQ(listing(), (std::set<std::string>{"input.obj", "manifest.json"}));
 }
 
+// Promise: "A process that dies can ..."
 TEST_F(TaskTest, AKilledProcessLeavesItMissingAndTheNextSweepsUp) {
   const auto dieWithin = [&](int pipe) {
     TaskRunner runner(mFolder, [&](const fs::path& folder, const Manifest&, std::uint64_t, Monitor&) -> TaskCounts {
@@ -249,6 +253,7 @@ TEST_F(TaskTest, AKilledProcessLeavesItMissingAndTheNextSweepsUp) {
                                               "tasks/0002.json"}));
 }
 
+// Promise: "A process that dies can ..."
 TEST_F(TaskTest, TwoAtTheSameTimeGiveOneResult) {
   const fs::path start = mFolder / "start";
   std::vector<pid_t> children;

@@ -116,17 +116,20 @@ class TilesOfIslands : public testing::Test {
   int mPlans = 0;
 };
 
+// Promise of farm.md: With `--largest` or `--min-size` `merge` "drops the islands that one run would drop"
 TEST_F(TilesOfIslands, TheLargestAreThoseOfOneRun) {
   // Cuts between blocks of 8 nodes, and through them; the island of two balls reaches over four tiles and more.
   EXPECT_GE(expectOneRun(shape({{"largest", "1"}}), {{.tiles = 2}, {.tileNodes = 11}}).islands, 8U);
   expectOneRun(shape({{"largest", "3"}}), {{.tiles = 19}, {.tileNodes = 16}});
 }
 
+// Promise: With `--largest` or `--min-size` ...
 TEST_F(TilesOfIslands, TheSmallOnesAreThoseOfOneRun) {
   EXPECT_GT(expectOneRun(shape({{"min-size", "0.25"}}), {{.tiles = 7}, {.tileNodes = 13}}).keptIslands, 1U);
   expectOneRun(shape({{"min-size", "0.2"}, {"largest", "4"}}), {{.tileNodes = 17}});
 }
 
+// Promise: With `--largest` or `--min-size` ...
 TEST_F(TilesOfIslands, RandomCutsOfManySpecksAreThoseOfOneRun) {
   std::mt19937 random(20261122);
   if (!test_meshes::hasBunny()) GTEST_SKIP() << "needs glmark2-data";

@@ -113,6 +113,7 @@ class Tiles : public testing::Test {
   int mPlans = 0;
 };
 
+// Promise: What is merged "has the same ..."
 TEST_F(Tiles, AShapeIsThatOfOneRun) {
   // Cuts between blocks of 8 nodes, and through them.
   expectOneRun(shape({{"alpha", "6"}}), {{.tiles = 2}, {.tileNodes = 11}});
@@ -120,6 +121,9 @@ TEST_F(Tiles, AShapeIsThatOfOneRun) {
   expectOneRun(shape({{"detail", "0.5"}}), {{.tiles = 64}, {.tileNodes = 13}});
 }
 
+// Promise: "pictures, meshes, VDBs, tiles ..."
+// Promise of attributes.md: "`plan tiles` and `merge` give the bytes of one run with all attributes but `mask`, which
+//   they refuse"
 TEST_F(Tiles, AttributesAreThoseOfOneRun) {
   const std::string all = "Cd,direction,trap,iterations,depth,tau";
   expectOneRun(shape({{"detail", "0.5"}, {"attributes", all}, {"colour", "depth:magma"}, {"half", "true"}}),
@@ -130,6 +134,7 @@ TEST_F(Tiles, AttributesAreThoseOfOneRun) {
   expectOneRun(shape({{"alpha", "6"}, {"colour", "clay"}}), {{.tiles = 2}}, "obj");
 }
 
+// Promise: "`plan tiles` and `merge` ..."
 TEST_F(Tiles, WhatIsTransferredIsThatOfOneRun) {
   const Mesh ball = test_meshes::makeSphere(1, 3);
   std::ostringstream text;
@@ -143,6 +148,8 @@ TEST_F(Tiles, WhatIsTransferredIsThatOfOneRun) {
   expectOneRun(recipe, {{.tiles = 4}});
 }
 
+// Promise: "neither tiles nor threads ..."
+// Promise: What is merged "has the same ..."
 TEST_F(Tiles, RandomCutsAreThoseOfOneRun) {
   std::mt19937 random(20261122);
   std::vector<TilePlanOptions> cuts;
@@ -151,6 +158,8 @@ TEST_F(Tiles, RandomCutsAreThoseOfOneRun) {
   expectOneRun(shape({{"detail", "0.3"}, {"resolution", "30"}}), cuts);
 }
 
+// Promise of farm.md: "Crumbs are dropped in each tile, and `merge` says how many there were in all: as many as in one
+//   run"
 TEST_F(Tiles, CrumbsAcrossBordersAreThoseOfOneRun) {
   std::mt19937 random(20261124);
   const auto cuts = [&] {
@@ -180,6 +189,7 @@ TEST_F(Tiles, ABoxIsThatOfOneRunWithItsCapsOrWithout) {
   expectOneRun(shape(capped), {{.tiles = 5}, {.tileNodes = 14}});
 }
 
+// Promise: What is merged "has the same ..."
 TEST_F(Tiles, EveryGridIsThatOfOneRun) {
   const Recipe grids = {{"grids", "iterations,versor,surface,density,logmodulus"}, {"resolution", "24"}};
   expectOneRun(shape(grids), {{.tiles = 6}, {.tileNodes = 13}});
@@ -189,11 +199,13 @@ TEST_F(Tiles, EveryGridIsThatOfOneRun) {
   expectOneRun(shape(cut), {{.tileNodes = 13}});
 }
 
+// Promise: The turn "only exchanges ..."
 TEST_F(Tiles, TurnedFilesAreThoseOfOneRun) {
   expectOneRun(shape({{"resolution", "24"}, {"up", "auto"}}), {{.tileNodes = 13}});
   expectOneRun(shape({{"resolution", "24"}, {"target-up", "z"}, {"up", "y"}}), {{.tileNodes = 13}}, "obj");
 }
 
+// Promise: What is merged "has the same ..."
 TEST_F(Tiles, FormatsThatKeepDoublesAreThoseOfOneRun) {
   expectOneRun(shape({{"resolution", "24"}}), {{.tileNodes = 13}}, "obj");
   expectOneRun(shape({{"resolution", "24"}}), {{.tileNodes = 13}}, "stl");
@@ -207,6 +219,7 @@ TEST_F(Tiles, FormatsThatKeepDoublesAreThoseOfOneRun) {
                {{.tiles = 5}, {.tileNodes = 13}});
 }
 
+// Promise: What is merged "has the same ..."
 TEST_F(Tiles, MapsWithoutAShellAreThoseOfOneRun) {
   expectOneRun(completed({{"map", "cross"}, {"scheme", "5"}, {"pair", "A"}, {"c", "0.39,0.2,0"}, {"resolution", "24"}}),
                {{.tiles = 4}, {.tileNodes = 11}});
@@ -328,6 +341,7 @@ TEST_F(Tiles, WhatCannotBeMergedIsRefused) {
   EXPECT_FALSE(fs::exists(inFolder("a.ply")));
 }
 
+// Promise: "`merge` refuses a mesh that does ..."
 TEST_F(Tiles, AMeshHasNoMorePointsThanItsTrianglesCanReferTo) {
   const fs::path folder = made(shape({{"resolution", "20"}}), {.tiles = 2, .makes = {"ply"}});
   const Manifest manifest = readManifest(folder);
@@ -358,6 +372,7 @@ TEST_F(Tiles, BrokenTilesAreRefused) {
   EXPECT_THROW(TileReader(inFolder("none.tile")), MissingInputError);
 }
 
+// Promise: With `--make count`, "The numbers ..."
 TEST_F(Tiles, ACountIsThatOfTheTilesThatAnotherPlanKeeps) {
   const Recipe recipe = shape({{"detail", "0.5"}});
   const fs::path counted = made(recipe, {.tiles = 5, .makes = {"count"}});
@@ -391,6 +406,7 @@ TEST_F(Tiles, ACountIsThatOfTheTilesThatAnotherPlanKeeps) {
 }
 
 // The tasks of a plan share a scene in one process, and none in processes of their own.
+// Promise: Tasks "can run in any order, at any ..."
 TEST_F(Tiles, OneProcessMakesTheFilesOfOneForEachTask) {
   for (const std::vector<std::string>& makes : std::vector<std::vector<std::string>>{{"ply"}, {"count"}, {"vdb"}}) {
     const fs::path together = made(shape({{"detail", "0.5"}}), {.tileNodes = 19, .makes = makes});
@@ -406,6 +422,7 @@ TEST_F(Tiles, OneProcessMakesTheFilesOfOneForEachTask) {
 }
 
 // Grids need the whole field of a tile. A tile that has none is made in layers, and has the same mesh.
+// Promise: What is merged "has the same ..."
 TEST_F(Tiles, AStreamedTileIsThatOfAHeldField) {
   const Recipe box = {{"box", "-0.4,-0.9,-0.35,1.5,0.6,0.9"}};
   Recipe capped = box;
@@ -435,6 +452,7 @@ TEST_F(Tiles, AStreamedTileIsThatOfAHeldField) {
     }
 }
 
+// Promise: With `--make count`, "The numbers ..."
 TEST_F(Tiles, WhatCannotBeCountedIsRefused) {
   const Recipe recipe = shape({{"resolution", "20"}});
   const auto plan = [&](const Recipe& given, const std::vector<std::string>& makes) {
@@ -458,6 +476,7 @@ TEST_F(Tiles, WhatCannotBeCountedIsRefused) {
   EXPECT_FALSE(fs::exists(inFolder("a.json")));
 }
 
+// Promise: With `--make count`, "The numbers ..."
 TEST(TileCount, TheSumsOfLargeTilesAreExact) {
   // More triangles than 32 bits count, in one tile and in the sum.
   constexpr std::uint64_t kMany = 5'000'000'001;
@@ -482,6 +501,7 @@ TEST(TileCount, TheSumsOfLargeTilesAreExact) {
   EXPECT_THROW(addedUp(tooMany), DataError);
 }
 
+// Promise: With `--make count`, "The numbers ..."
 TEST(TileCount, ATextThatIsNoneIsRefused) {
   const std::string good = encodeTileCount({1, 2, openvdb::BBoxd(Vec3d(0), Vec3d(1)), std::string(64, 'a')});
   EXPECT_NO_THROW(parseTileCount(good));

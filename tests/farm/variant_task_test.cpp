@@ -93,6 +93,7 @@ class Phases final : public Monitor {
 };
 
 // Distances are made once for all frames of a mesh, and again where what was kept is broken.
+// Promise: "What was made before changes ..."
 TEST_F(Variants, FramesShareDistancesAndKeepTheirBytes) {
   FramePlanOptions options = frames(mBall, {"texture-translate@1=0,0,0", "texture-translate@4=0.2,0,0"}, 1, 4);
   const Manifest manifest = written(planFrames(options));
@@ -110,6 +111,8 @@ TEST_F(Variants, FramesShareDistancesAndKeepTheirBytes) {
 }
 
 // Each frame wants a band of another width. Whoever needs a wider one replaces the one that is there.
+// Promise of design.md: "one band for all tasks of a mesh, made by the first task that needs it and removed with the
+//   last one"
 TEST_F(Variants, OneBandServesFramesOfAllWidths) {
   Mesh open = test_meshes::makeSphere(1, 2);
   open.triangles.resize(open.triangles.size() - 8);
@@ -149,6 +152,7 @@ TEST_F(Variants, FramesOfAVerySmallMeshShareDistances) {
   }
 }
 
+// Promise: "one band for all tasks of a mesh, made ..."
 TEST_F(Variants, WhatNoTaskNeedsAnyMoreIsRemoved) {
   const Manifest manifest = written(planFrames(frames(mBall, {"alpha@1=20", "alpha@3=60"}, 1, 3)));
   const fs::path folder = mFolder.path() / "plan", targets = folder / "targets", aside = mFolder.path() / "aside";
@@ -174,6 +178,7 @@ TEST_F(Variants, WhatNoTaskNeedsAnyMoreIsRemoved) {
   EXPECT_FALSE(fs::exists(targets));
 }
 
+// Promise: "one band for all tasks of a mesh, made ..."
 TEST_F(Variants, WhatNoOtherTaskNeedsIsNotKept) {
   for (const int frame : {1, 2, 3}) writeBall("b.000" + std::to_string(frame) + ".obj", frame == 3 ? 1 : frame);
   written(planFrames(frames((mFolder.path() / "b.####.obj").string(), {}, 1, 3)));
@@ -202,6 +207,7 @@ TEST_F(Variants, OneProcessMakesTheExponentOnce) {
   }
 }
 
+// Promise: A sequence has "the same ..."
 TEST_F(Variants, AFrameIsTheFractalWithItsValues) {
   FramePlanOptions options =
       frames(mBall, {"alpha@1=20", "alpha@3=60", "origin-shift@2=0,0,0", "origin-shift@3=0.1,0,0"}, 1, 3);
@@ -291,6 +297,7 @@ TEST_F(Variants, AChangedInputIsRefused) {
   EXPECT_FALSE(fs::exists(mFolder.path() / "plan/out/ball.0001.vdb"));
 }
 
+// Promise: If nothing changes, "the program ..."
 TEST_F(Variants, FramesOfWhatDoesNotChangeAreTheSame) {
   const Manifest manifest = written(planFrames(frames(mBall, {}, -1, 1)));
   for (const std::uint64_t task : {1, 2, 3}) makeVariant(mFolder.path() / "plan", manifest, task, mMonitor);
@@ -329,6 +336,7 @@ TEST_F(Variants, FramesAreRefusedAtPlanning) {
   EXPECT_NO_THROW(planFrames(frames((mFolder.path() / "b.####.obj").string(), {}, 1, 1)));
 }
 
+// Promise: Cells of a sheet as tasks ...
 TEST_F(Variants, CellsAreWhatTheirRecipesMake) {
   const auto vary = [](const std::string& text) { return parseVaried(text, fractalOptionTable(), kMostSheetCells); };
   Sheet sheet = planSheet({.varied = {vary("alpha=20,x,40,60")},

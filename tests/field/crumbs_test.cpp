@@ -120,6 +120,7 @@ void expectSame(const FractalField& field, const CoordBBox& nodes, const std::se
 // Sparse specks, a sponge about to hang together (at 0.31 of the nodes), and one that does, with specks in its holes.
 constexpr double kCrumbDensities[] = {0.02, 0.15, 0.22, 0.27, 0.31, 0.4};
 
+// Promise: Crumbs, "pieces of at most ..."
 TEST(Crumbs, AreTheSmallIslandsOfADenseFlood) {
   unsigned seed = 0;
   std::uint64_t large = 0;
@@ -139,6 +140,7 @@ TEST(Crumbs, AreTheSmallIslandsOfADenseFlood) {
   EXPECT_GT(large, 10000u);
 }
 
+// Promise: Crumbs, "pieces of at most ..."
 TEST(Crumbs, AreAsLongAsTheLongestAndNoLonger) {
   // Rods along each axis at all places in their blocks.
   for (int axis = 0; axis < 3; ++axis)
@@ -155,6 +157,7 @@ TEST(Crumbs, AreAsLongAsTheLongestAndNoLonger) {
       }
 }
 
+// Promise: Crumbs are "those of the whole ..."
 TEST(Crumbs, OfWindowsAreThoseOfTheWholeAndAddUp) {
   std::mt19937 random(20261124);
   const CoordBBox domain(Coord(-17, -9, -21), Coord(20, 19, 16));
@@ -197,6 +200,7 @@ TEST(Crumbs, OfWindowsAreThoseOfTheWholeAndAddUp) {
   }
 }
 
+// Promise: Crumbs, "pieces of at most ..."
 TEST(Crumbs, StayWhereTheTargetDecidesANode) {
   const CoordBBox domain(Coord(-14), Coord(15));
   const auto exponent = openvdb::FloatGrid::create(1.0f);
@@ -219,6 +223,7 @@ TEST(Crumbs, StayWhereTheTargetDecidesANode) {
 }
 
 // What lies beyond is not known there, and a piece may belong to something larger.
+// Promise: Crumbs, "pieces of at most ..."
 TEST(Crumbs, StayAtTheBorderOfWhatIsKnown) {
   const CoordBBox domain(Coord(-14), Coord(15));
   const NodeEvaluator evaluator = specks(0.2, 9);
@@ -261,6 +266,9 @@ struct DustyFractal {
 
 const BBoxd kBox(Vec3d(-0.2, -0.5, 0.0), Vec3d(0.25, 0.11, 0.43));
 
+// Promise: Distances made layer by layer ...
+// Promise of design.md: Crumbs are "those of the whole lattice": in streams, boxes and windows, with `--follow` and
+//   `--exhaustive`
 TEST(Crumbs, AreDroppedFromAStreamedMeshAsFromAHeldOne) {
   const DustyFractal fractal;
   for (const auto& box : {std::optional<BBoxd>(), std::optional(kBox)})
@@ -295,6 +303,7 @@ TEST(Crumbs, AreDroppedFromAStreamedMeshAsFromAHeldOne) {
     }
 }
 
+// Promise: Crumbs are "those of the whole ..."
 TEST(Crumbs, LeaveABoxTheWholeCutOut) {
   const DustyFractal fractal;
   const FractalField whole = evaluateField(fractal.plan(), fractal.source(), {}, monitor);
@@ -310,6 +319,7 @@ TEST(Crumbs, LeaveABoxTheWholeCutOut) {
   }
 }
 
+// Promise: Crumbs are "those of the whole ..."
 TEST(Crumbs, TheExhaustiveFieldHasTheSameOnes) {
   const DustyFractal fractal;
   FieldPlan every = planExhaustive(fractal.exponent, {.voxelSize = 1.0 / 90});
@@ -322,6 +332,7 @@ TEST(Crumbs, TheExhaustiveFieldHasTheSameOnes) {
     ASSERT_EQ(fast.field->tree().getValue(*node) < 0, slow.field->tree().getValue(*node) < 0) << *node;
 }
 
+// Promise: Crumbs are "those of the whole ..."
 TEST(Crumbs, AreDroppedFromWhatIsFollowed) {
   const DustyFractal fractal;
   const FieldPlan plan = fractal.plan();

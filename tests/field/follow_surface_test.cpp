@@ -62,6 +62,7 @@ Positions positions(const Mesh& mesh) {
   return all;
 }
 
+// Promise: A mesh that is written while ...
 TEST(StreamMesh, IsTheMeshOfTheWholeField) {
   LumpyFractal fractal(20);
   for (const auto& box :
@@ -130,6 +131,7 @@ void expectLevelSetOfWhole(const FieldPlan& plan, const FieldSource& source) {
     }
 }
 
+// Promise of design.md: Distances made layer by layer are those to the whole mesh, "the same to the bit"
 TEST(StreamSurface, ItsLevelSetIsThatOfTheWholeField) {
   for (const double alpha : {6.0, 20.0}) {
     LumpyFractal fractal(alpha);
@@ -142,6 +144,7 @@ TEST(StreamSurface, ItsLevelSetIsThatOfTheWholeField) {
   }
 }
 
+// Promise: Distances made layer by layer ...
 TEST(StreamSurface, PiecesMayLieFarApartAndBlocksBesideThemMayBeLeftOut) {
   const std::vector<Vec3d> middles = {{-200.5, 3, 0}, {-163.1, 0, 5}, {7.3, -60, 0}, {7.9, 80.2, 0}, {40, 0, 90.7}};
   const double radius = 11.3;
@@ -224,6 +227,7 @@ TEST(StreamMesh, ATriangleUsesNoPointBeforeItsFirst) {
   EXPECT_GT(checker.first, 0u) << "the writer could forget nothing";
 }
 
+// Promise: `--follow`: "What it finds ..."
 TEST(FollowSurface, FindsNearlyAllAndNothingElse) {
   for (const double alpha : {12.0, 40.0}) {
     SCOPED_TRACE(alpha);
@@ -253,6 +257,7 @@ TEST(FollowSurface, FindsNearlyAllAndNothingElse) {
   }
 }
 
+// Promise: `--follow`: "What it finds ..."
 TEST(FollowSurface, LooksAtASmallPartOfALargeShell) {
   LumpyFractal fractal(12);
   const FieldPlan plan = planShell(fractal.exponent, {.voxelSize = 1.0 / 200});
@@ -261,6 +266,7 @@ TEST(FollowSurface, LooksAtASmallPartOfALargeShell) {
   EXPECT_LT(report.visitedBlocks, report.shellBlocks / 3);
 }
 
+// Promise: `--follow`: "What it finds ..."
 TEST(FollowSurface, IsClosedInABoxThatCutsTheSet) {
   const auto map = std::make_shared<julia::QuadraticMap<double>>(julia::Quaternion<double>{-0.2, 0.6, 0.2, 0.2});
   const auto evaluator = julia::makeFieldEvaluator<double>(map, {}, {.maxIterations = 8});

@@ -114,6 +114,7 @@ double referenceField(const Case& c, const julia::Rational& versor, const Vec3d&
       .logModulus;
 }
 
+// Promise: "Tests compare everything fast ..."
 TEST(FractalField, SignsAreTheReferencesEverywhere) {
   openvdb::initialize();
   const double h = 1.0 / 44;
@@ -157,6 +158,7 @@ TEST(FractalField, TheShellIsASmallPartAtHighAlpha) {
   EXPECT_LT(shell.evaluatedNodes, all.evaluatedNodes / 2);
 }
 
+// Promise: "`--exhaustive`, which evaluates every ..."
 TEST(FractalField, ExhaustiveGivesTheSameMesh) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
@@ -177,6 +179,7 @@ TEST(FractalField, ExhaustiveGivesTheSameMesh) {
   }
 }
 
+// Promise: "With `--box` it ends at the box" ...
 TEST(FractalField, ABoxIsTheWholeCutOut) {
   const Case c = cases()[1];
   const Made made = make(c, test_fields::randomVersor(5, 6, 7, true));
@@ -233,6 +236,7 @@ TEST(FractalField, StopsWhenAsked) {
                Interrupted);
 }
 
+// Promise: "Every vertex is within the tolerance ..."
 TEST(UnitBall, OfTheSquare) {
   // After n steps |q|^(2^n) < 20 is left: a ball of radius 20^(1/2^n), which is 1 + 3e-6 for n = 20.
   const auto map = std::make_shared<julia::QuadraticMap<double>>(julia::Quaternion<double>{});
@@ -262,6 +266,8 @@ TEST(UnitBall, OfTheSquare) {
   }
 }
 
+// Promise: The level set "passes tests ..."
+// Promise of design.md: "with the sign that F has at each node"
 TEST(LevelSet, OfARoughFractalPassesOpenVdbsChecksAndHasItsSigns) {
   for (const std::size_t k : {0u, 1u, 5u}) {
     const Case c = cases()[k];

@@ -120,6 +120,7 @@ void expectKept(const FractalField& before, const FractalField& after, const Isl
 // Sparse specks, a sponge about to hang together (at 0.31 of the nodes), and one that does, with specks in its holes.
 constexpr double kIslandDensities[] = {0.02, 0.15, 0.25, 0.31, 0.4, 0.6};
 
+// Promise: "keep only the N largest" ...
 TEST(Islands, AreOpenVdbsSegments) {
   openvdb::initialize();
   // Across the corners of leaves, and of the largest nodes below the root.
@@ -183,6 +184,7 @@ TEST(Islands, OfChosenSizeStayInAnyUnits) {
     }
 }
 
+// Promise: "keep only the N largest" ...
 TEST(Islands, TheLargestAreThoseOfTheLargeEnough) {
   Nodes nodes;
   for (auto node = CoordBBox(Coord(5), Coord(7)).begin(); node; ++node) nodes.push_back(*node);
@@ -374,6 +376,7 @@ TEST(Islands, EachHasItsOwnTrianglesInEveryCell) {
   }
 }
 
+// Promise: "keep only the N largest" ...
 TEST(Islands, TheMeshOfTheRestIsTheRestOfTheMesh) {
   unsigned seed = 40;
   for (const Border border : {Border::Cap, Border::Open})

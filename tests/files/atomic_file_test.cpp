@@ -81,6 +81,8 @@ class AtomicFileTest : public ::testing::Test {
   const fs::path mFolder = mTemporary.path();
 };
 
+// Promise: Files are never half written: "Outputs ..."
+// Promise of houdini.md: A reader "never sees half a frame"
 TEST_F(AtomicFileTest, AppearsOnlyWhenCommitted) {
   const fs::path target = mFolder / "out.vdb";
   AtomicFile file(target);
@@ -117,6 +119,7 @@ TEST_F(AtomicFileTest, LeavesTheOldContentUntilCommitted) {
   EXPECT_EQ(names(), Names{"out"});
 }
 
+// Promise: "No temporary file stays behind"
 TEST_F(AtomicFileTest, LeavesNothingBehindAnException) {
   try {
     AtomicFile file(mFolder / "out");
@@ -347,6 +350,7 @@ TEST_F(AtomicFileTest, WritesToDevicesAndPipesDirectly) {
   EXPECT_EQ(names(), Names{"pipe"});
 }
 
+// Promise: Files are never half written: "Outputs ..."
 TEST_F(AtomicFileTest, KeepsTheOldFileWhenTheDiskIsFull) {
   const fs::path folder = mFolder / "disk";
   SmallDisk disk(folder);
@@ -388,6 +392,7 @@ TEST_F(AtomicFileTest, ReportsAnErrorInTheMiddleOfAFile) {
   EXPECT_EQ(names(), Names{});
 }
 
+// Promise: Files are never half written: "Outputs ..."
 TEST_F(AtomicFileTest, CommitsSeveralTogether) {
   put(mFolder / "a", "old a");
   AtomicFile a(mFolder / "a"), b(mFolder / "b"), null("/dev/null");
@@ -402,6 +407,7 @@ TEST_F(AtomicFileTest, CommitsSeveralTogether) {
   commitAll({});
 }
 
+// Promise: Files are never half written: "Outputs ..."
 TEST_F(AtomicFileTest, UndoesTheFirstWhenALaterOneCannotBePlaced) {
   put(mFolder / "a", "old a");
   {
@@ -491,6 +497,7 @@ class Owner {
   pid_t mProcess;
 };
 
+// Promise: "No temporary file stays behind"
 TEST_F(AtomicFileTest, SweepsWhatKilledProcessesLeft) {
   put(mFolder / ".x.0123456.tmp", "a name that is none of ours");
   put(mFolder / "x.01234567.tmp", "nor this");
@@ -536,6 +543,7 @@ TEST_F(AtomicFileTest, RemovesWhatAKilledWriterOfTheSameFileLeft) {
   }
 }
 
+// Promise: "No temporary file stays behind"
 TEST_F(AtomicFileTest, IsNeverSweptAwayWhileItIsWritten) {
   std::atomic<bool> stop{false};
   std::vector<std::jthread> sweepers;
@@ -572,6 +580,7 @@ TEST_F(AtomicFileTest, AMarkTellsWhetherItsWriterLives) {
   EXPECT_EQ(stateOfMark(mark), MarkState::None);
 }
 
+// Promise of design.md: "the disk of another machine did not answer" is 75 as well
 TEST(IoFailure, SomeErrorsPass) {
   EXPECT_THROW(throwIoError("reading x failed", ESTALE), UnreachableError);
   EXPECT_THROW(throwIoError("reading x failed", ETIMEDOUT), UnreachableError);

@@ -10,6 +10,7 @@
 namespace vdbtools {
 namespace {
 
+// Promise: "`####` and `%04d` work too" ...
 TEST(FrameName, FillsInEveryNotation) {
   EXPECT_EQ(expandFrame("a.$F4.vdb", 1), "a.0001.vdb");
   EXPECT_EQ(expandFrame("a.####.vdb", 1), "a.0001.vdb");
@@ -30,6 +31,7 @@ TEST(FrameName, FillsInEveryNotation) {
   EXPECT_EQ(expandFrame("you@@home/a@2x_@@.vdb", 7), "you@@home/a@2x_07.vdb");
 }
 
+// Promise: "`####` and `%04d` work too" ...
 TEST(FrameName, WritesNegativeNumbersAsOthersDo) {
   for (const int frame : {-5, -42, -123456, std::numeric_limits<int>::min()}) {
     char printed[64];
@@ -73,6 +75,7 @@ TEST(FrameName, CountsHashMarksInTheFileNameOnly) {
   EXPECT_EQ(expandFrame("out/$F4/a.vdb", 3), "out/0003/a.vdb");
 }
 
+// Promise: "`####` and `%04d` work too" ...
 TEST(FrameName, RefusesWhatIsNotClear) {
   for (const char* name : {"a.$F4.vdb", "a.####.vdb", "a.%04d.vdb", "a.$F.vdb", "a#.vdb", "a.<F4>.vdb", "a.@@.vdb"}) {
     EXPECT_THROW(expandFrame(name, std::nullopt), std::invalid_argument) << name;

@@ -50,6 +50,7 @@ class OutputFilesTest : public ::testing::Test {
   const fs::path mFolder = mTemporary.path();
 };
 
+// Promise: "No output replaces an input", through ...
 TEST_F(OutputFilesTest, NoWayLeadsToAnInput) {
   const std::ptrdiff_t before = count();
   for (const fs::path& input : ways()) {
@@ -81,6 +82,7 @@ TEST_F(OutputFilesTest, AnInputThatIsNotThereYetHasItsName) {
   EXPECT_NO_THROW(files.add(mFolder / "folder" / "later"));
 }
 
+// Promise: "No output replaces an input", through ...
 TEST_F(OutputFilesTest, AnInputThatWasReplacedMeanwhileKeepsItsPlace) {
   InputFiles inputs;
   inputs.add(mFolder / "input");
@@ -113,6 +115,7 @@ TEST_F(OutputFilesTest, AllOfSeveralLists) {
   EXPECT_NO_THROW(first.requireNot(mFolder / "folder" / "x"));
 }
 
+// Promise: Two names of outputs that are one ...
 TEST_F(OutputFilesTest, OutputsAreDifferentFiles) {
   OutputFiles files({});
   files.add(mFolder / "input").stream() << "made";
@@ -127,6 +130,7 @@ TEST_F(OutputFilesTest, OutputsAreDifferentFiles) {
   EXPECT_EQ(contentOf("hard"), "made too");
 }
 
+// Promise: Two names of outputs that are one ...
 TEST_F(OutputFilesTest, DevicesAreNeitherInputsNorReplaced) {
   InputFiles inputs;
   inputs.add("/dev/null");

@@ -216,6 +216,7 @@ TEST(FitJob, MoreRootsFitBetter) {
   }
 }
 
+// Promise: In each stage of a fit "the roots ..."
 TEST(FitJob, RootsThatMoveFitBetter) {
   const FitResult moved = files().dumbbell({{"roots", "24"}}).run();
   const FitResult kept = files().dumbbell({{"roots", "24"}, {"places", "keep"}}).run();
@@ -320,6 +321,7 @@ TEST(FitJob, DistancesAreMeasuredOnRequestOnly) {
   }
 }
 
+// Promise: "The same seed gives the same ..."
 TEST(FitJob, SameBytesForAnyThreadsAndForTheSeed) {
   const FitResult& fast = fastFit();
   for (const Recipe& recipe : {kFastRecipe, kScheduleRecipe, Recipe{{"roots", "12"}, {"start", "monopoles"}}}) {
@@ -343,6 +345,8 @@ TEST(FitJob, SameBytesForAnyThreadsAndForTheSeed) {
   EXPECT_NE(bytesOf(files().dumbbell(other).run()), bytesOf(fast));
 }
 
+// Promise of fitting.md: "`fit` chooses C anew at the end, for the iterations of `--iterations`", and "powers stay as
+//   they were found"
 TEST(FitJob, TheSetHasTheShapeAfterItsIterations) {
   Recipe recipe = kFastRecipe;
   for (const char* const alpha : {"0", "40"}) {
@@ -366,6 +370,7 @@ TEST(FitJob, TheSetHasTheShapeAfterItsIterations) {
   }
 }
 
+// Promise of fitting.md#the-fast-fit: "`--alpha A` sets the thickness", and keeps the set at n = 1
 TEST(FitJob, AlphaThinsTheShellAndKeepsTheShape) {
   Recipe recipe = kFastRecipe;
   recipe["iterations"] = "1";
@@ -582,6 +587,7 @@ TEST(FitJob, InterruptionIsAllThatItThrows) {
   }
 }
 
+// Promise: "the same for a target of any ..."
 TEST(FitJob, SizeAndPlaceDoNotMatter) {
   const Mesh shape =
       test_meshes::merged(test_meshes::makeSphere(0.8, 3), test_meshes::makeBox({0.1, 0.2, -0.3}, {1.2, 0.7, 0.4}));

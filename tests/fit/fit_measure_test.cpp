@@ -80,6 +80,7 @@ TEST(FitMeasure, MoreIterationsAreMeasuredToo) {
   }
 }
 
+// Promise: "`fit` chooses C anew at the end, for the iterations ..."
 TEST(FitMeasure, TheShiftOfCMakesUpForTheIterations) {
   // Where |R| = 1 is the sphere of the target, the sets of more iterations are larger, until C is smaller.
   const double radius = 0.5;

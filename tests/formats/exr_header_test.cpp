@@ -60,6 +60,7 @@ TEST_F(ExrHeader, EverySizeIsThatOfItsKind) {
   }
 }
 
+// Promise: OpenImageIO's "own decoders of other ..."
 TEST_F(ExrHeader, NoValueIsLargerThanTheFile) {
   const std::string start("\x76\x2f\x31\x01\2\0\0\0", 8);
   const auto with = [&](std::string_view kind, std::string_view value, std::size_t size) {

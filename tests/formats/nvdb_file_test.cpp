@@ -42,6 +42,7 @@ class NvdbFileTest : public testing::Test {
   }
 };
 
+// Promise: The grids of a NanoVDB file ...
 TEST_F(NvdbFileTest, SaysWhatTheGridsAre) {
   const auto surface = nvdbBand();
   const auto vectors = openvdb::Vec3SGrid::create();
@@ -65,6 +66,7 @@ TEST_F(NvdbFileTest, SaysWhatTheGridsAre) {
   EXPECT_EQ(file.grids[1].activeVoxels, 1u);
 }
 
+// Promise: The grids of a NanoVDB file ...
 TEST_F(NvdbFileTest, TheTreesStayAsTheyAre) {
   const auto surface = nvdbBand();
   const openvdb::FloatGrid::Ptr before = surface->deepCopy();
@@ -85,6 +87,7 @@ TEST_F(NvdbFileTest, SameGridsSameBytesForAnyNumberOfThreads) {
   }
 }
 
+// Promise: Of a NanoVDB file of fewer ...
 TEST_F(NvdbFileTest, FewerBitsTakeLessAndLoseMore) {
   std::vector<std::size_t> sizes;
   std::vector<double> errors;
@@ -104,6 +107,7 @@ TEST_F(NvdbFileTest, FewerBitsTakeLessAndLoseMore) {
   EXPECT_LE(errors[2], 0.6 / 255 / 2 * 1.01);
 }
 
+// Promise: Of a NanoVDB file of fewer ...
 TEST_F(NvdbFileTest, VariableBitsKeepTheirBound) {
   std::ostringstream stream;
   const NvdbWritten written = writeNvdb(stream, {nvdbBand()}, {.values = NvdbValues::Variable}).at(0);
@@ -142,6 +146,7 @@ TEST_F(NvdbFileTest, RefusesWhatNanoVdbDoesNotHave) {
   EXPECT_THROW(encodedNvdb({nvdbBand(), nvdbBand()}), std::invalid_argument);
 }
 
+// Promise: `info` of a NanoVDB file ...
 TEST_F(NvdbFileTest, EveryDamageOfAGridIsNoticed) {
   for (const NvdbValues values : {NvdbValues::Full, NvdbValues::Fp8}) {
     const std::string whole = encodedNvdb({nvdbBand()}, values);
@@ -204,6 +209,7 @@ TEST_F(NvdbFileTest, TheChecksumsOfAllVersionsFit) {
   }
 }
 
+// Promise: `info` of a NanoVDB file ...
 TEST_F(NvdbFileTest, WrongSizesAndTruncatedFilesAreRefused) {
   const std::string whole = encodedNvdb({nvdbBand()});
   std::minstd_rand random(5);
@@ -215,6 +221,7 @@ TEST_F(NvdbFileTest, WrongSizesAndTruncatedFilesAreRefused) {
 }
 
 /// Without checksums the places of nodes alone stand between a damage and memory that is not ours.
+// Promise: `info` of a NanoVDB file ...
 TEST_F(NvdbFileTest, PlacesOfNodesAreChecked) {
   std::string whole = encodedNvdb({nvdbBand()});
   const std::size_t grid = kNvdbFileHead + kNvdbGridHead + sizeof "surface";

@@ -159,6 +159,7 @@ TEST(P4d, RefusesEveryPrefixAndEveryTail) {
   peerRefusal(polynomialFromP4d, bytes + bytes);
 }
 
+// Promise: Files of the released programs ...
 TEST(P4d, RefusesCountsThatLie) {
   for (const std::int32_t lie :
        {-1, 0, 1, 2, 4, 100, 0x04000000, 0x08000000, 0x10000000, 0x7FFFFFFF, -0x7FFFFFFF - 1}) {
@@ -203,6 +204,8 @@ TEST(P4d, RefusesNumbersThatCannotBeUsed) {
   peerRefusal(polynomialFromP4d, peer.bytes());
 }
 
+// Promise of peer-formats.md: Files of the released programs are read and written to the byte; counts are held "against
+//   the length of the file"
 TEST(P4d, ComesBackAsItWasWritten) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> number(-1e9, 1e9);
@@ -260,6 +263,7 @@ TEST(O3d, RefusesEveryPrefixAndEveryTail) {
   peerRefusal(optimisedShapeFromO3d, bytes + float64(0));
 }
 
+// Promise: Files of the released programs ...
 TEST(O3d, RefusesFieldsThatLie) {
   const std::int32_t most = 0x7FFFFFFF;
   const std::vector<std::vector<std::int32_t>> lies{{-2, 1, 3},
@@ -336,6 +340,7 @@ std::vector<double> cellValues(double first) {
   return values;
 }
 
+// Promise: Files of the released programs ...
 TEST(O3d, IsWrittenByteForByte) {
   const OptimisedShape shape = writtenShape();
   const std::string box =

@@ -51,6 +51,7 @@ class PictureFile : public testing::Test {
   TemporaryFolder mFolder;
 };
 
+// Promise: "A host's stderr is its own ..."
 TEST_F(PictureFile, PngHasTheValuesThatOpenImageIoFinds) {
   for (const int channels : {1, 2, 3, 4})
     for (const OIIO::TypeDesc& type : {OIIO::TypeDesc(OIIO::TypeDesc::UINT8), OIIO::TypeDesc(OIIO::TypeDesc::UINT16)}) {
@@ -72,6 +73,7 @@ TEST_F(PictureFile, PngHasTheValuesThatOpenImageIoFinds) {
 }
 
 /// A host's lines all arrive, and the libraries that decode add none, whatever is wrong with the pictures.
+// Promise of reliability.md: "A host's stderr is its own while pictures are decoded"
 TEST_F(PictureFile, StderrBelongsToTheHost) {
   const OIIO::TypeDesc byte(OIIO::TypeDesc::UINT8);
   const std::vector<std::string> pictures = {encodedNoise("png", 4, byte),

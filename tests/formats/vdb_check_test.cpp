@@ -283,6 +283,7 @@ TEST(VdbCheck, GridsOfUnknownTypesArePassedOver) {
   EXPECT_THROW(decodeVdb(alone), DataError);
 }
 
+// Promise: "A file that is broken, or made ..."
 TEST(VdbCheck, EveryCutIsRefused) {
   const auto expectRefused = [](const std::vector<GridBase::Ptr>& grids, std::size_t step) {
     const std::string bytes = encodedVdb(grids, {openvdb::io::COMPRESS_BLOSC, false, true});
@@ -390,6 +391,7 @@ int mutantsWanted() {
 
 /// Each mutant is refused with a DataError, or is a VDB that can be used like any other: nothing else is thrown, and
 /// nothing is read or written that is not there, which a build with sanitizers sees.
+// Promise: "A file that is broken, or made ..."
 TEST(VdbCheck, NoMutantDoesHarm) {
   std::mt19937 random(17);
   const int mutants = mutantsWanted();

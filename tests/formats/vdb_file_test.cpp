@@ -54,6 +54,7 @@ TEST_F(VdbFileTest, ComesBackAsItWas) {
   for (auto value = grid->cbeginValueOn(); value; ++value) ASSERT_EQ(read->tree().getValue(value.getCoord()), *value);
 }
 
+// Promise of design.md: "OpenVDB's random file identifier is made deterministic"
 TEST_F(VdbFileTest, SameGridsSameBytes) {
   const std::string once = encodeVdb({fineBall()}, {});
   EXPECT_EQ(encodeVdb({fineBall()}, {}), once);
@@ -168,6 +169,7 @@ TEST_F(VdbFileTest, HalfHasNoInfinityThatWasNotThere) {
   EXPECT_TRUE(clamped.empty()) << "32 bits hold everything";
 }
 
+// Promise of design.md: "No two grids share a name"
 TEST_F(VdbFileTest, TwoGridsOfOneNameAreRefused) {
   EXPECT_THROW(encodeVdb({fineBall(), fineBall()}, {}), std::invalid_argument);
 }
@@ -249,6 +251,7 @@ TEST(Recipe, SurvivesMetadata) {
   EXPECT_EQ(recordedRecipe({{"name", "x"}}).command, "");
 }
 
+// Promise: Detail and the papers' numbers ...
 TEST(Recipe, TwoWaysToSayTheSameAreRefusedTogether) {
   EXPECT_THROW(parseFractalOptions({{"input", "a.obj"}, {"resolution", "10"}, {"voxel-size", "1"}}),
                std::invalid_argument);
@@ -259,6 +262,7 @@ TEST(Recipe, TheDefaultsAreValid) {
   EXPECT_NO_THROW(parseSdfOptions(completeRecipe({{"input", "a.obj"}}, sdfOptionTable())));
 }
 
+// Promise: "wrong usage: an unknown ..."
 TEST(Recipe, EveryValueIsChecked) {
   const std::pair<const char*, const char*> wrong[] = {{"resolution", "0"},
                                                        {"resolution", "nan"},

@@ -120,6 +120,7 @@ TEST(VersorFile, BringsBackAnyNote) {
   EXPECT_EQ(rationalFileFromJson(rationalToJson({}, "a\xFF"), "x").note, "a\xEF\xBF\xBD");
 }
 
+// Promise: "A file that is broken, or made ..."
 TEST(VersorFile, RefusesEveryPrefixAndEveryTail) {
   const std::string text = kText.substr(0, kText.size() - 1);  // without the last line end, which nobody misses
   for (std::size_t size = 0; size < text.size(); ++size) {
@@ -218,6 +219,7 @@ TEST(WaveFile, ReadsAndWritesTheDocumentedText) {
   EXPECT_EQ(wavesToJson(file.waves, file.note), kWaveText);
 }
 
+// Promise: Waves in files: "changed ..."
 TEST(WaveFile, BringsBackEveryBit) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -233,6 +235,7 @@ TEST(WaveFile, BringsBackEveryBit) {
   EXPECT_EQ(waveFileFromJson(wavesToJson(waves), "x").waves, waves);
 }
 
+// Promise: Waves in files: "changed ..."
 TEST(WaveFile, RefusesWhatIsNotTheFormat) {
   const std::vector<std::pair<std::string, std::string>> changes{
       {"\"waves\",", "\"rational\","},

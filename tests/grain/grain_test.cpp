@@ -85,6 +85,7 @@ TEST(Grain, PointsLieOnTheSurfaceAThirdOfTheThicknessApart) {
   }
 }
 
+// Promise: A grain: its table, `--grain-turn`, and that vectors ...
 TEST(Grain, AlongATorusIsAlongItsRingAndAroundIsAcross) {
   const Grained shape = grained(torusDistance);
   const std::vector<Complex> along = directionsOf(shape, {.kind = GrainKind::Along});
@@ -99,6 +100,7 @@ TEST(Grain, AlongATorusIsAlongItsRingAndAroundIsAcross) {
   EXPECT_TRUE(forward == 0 || forward == static_cast<int>(along.size())) << forward;
 }
 
+// Promise: A grain: its table, `--grain-turn`, and that vectors ...
 TEST(Grain, AlongATaperedRodPointsToItsThinEnd) {
   const Grained shape = grained(taperedDistance);
   const std::vector<Complex> along = directionsOf(shape, {.kind = GrainKind::Along});
@@ -111,6 +113,7 @@ TEST(Grain, AlongATaperedRodPointsToItsThinEnd) {
   EXPECT_GT(towards, 0.95 * all);
 }
 
+// Promise: A grain: its table, `--grain-turn`, and that vectors ...
 TEST(Grain, AVectorIsFollowedAndTurned) {
   const Grained shape = grained(torusDistance);
   const auto projected = [&](const Vec3d& towards, std::size_t i) {
@@ -137,6 +140,7 @@ TEST(Grain, AVectorIsFollowedAndTurned) {
   }
 }
 
+// Promise: A grain: its table, `--grain-turn`, and that vectors ...
 TEST(Grain, GivenVectorsMayBeMissingInPlacesButNotEverywhere) {
   const Grained shape = grained(torusDistance);
   GrainOptions options{.kind = GrainKind::Given};
@@ -174,6 +178,7 @@ double shareOfLengths(const std::vector<julia::SurfacePhase>& phases, const std:
   return near / static_cast<double>(phases.size());
 }
 
+// Promise of textures.md: Waves along a grain "are as long as is wanted, within a factor of 1.5", and have no seam
 TEST(Grain, WavesAreAsLongAsTheThicknessAsks) {
   for (const test_fields::Distance& distance :
        {test_fields::Distance(torusDistance), test_fields::Distance(taperedDistance)}) {
@@ -190,6 +195,7 @@ TEST(Grain, WavesAreAsLongAsTheThicknessAsks) {
 
 /// Within one cell of the lattice no phase jumps, except where it counts for little; and nearly everywhere about the
 /// surface it counts in full.
+// Promise: Waves along a grain "are as long ..."
 TEST(Grain, PhasesHaveNoSeam) {
   for (const test_fields::Distance& distance :
        {test_fields::Distance(torusDistance), test_fields::Distance(taperedDistance)}) {
@@ -223,6 +229,7 @@ TEST(Grain, PhasesHaveNoSeam) {
   }
 }
 
+// Promise: Waves along a grain "are as long ..."
 TEST(Grain, TheThirdCoordinateIsTheDistanceInWaves) {
   const Grained shape = grained(torusDistance);
   const GrainGrids grids = gridsOf(shape, directionsOf(shape, {.kind = GrainKind::Along}));

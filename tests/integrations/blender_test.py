@@ -111,6 +111,8 @@ class Addon(unittest.TestCase):
                 for axis in range(3)]
         return 2 * max(size) / RESOLUTION
 
+    # Promise of blender.md: The add-on: a fractal lies where its object lies, *Update* follows the settings, "*Cancel* stops it
+    #   without a trace"
     def test_a_mesh_lies_where_its_source_lies(self):
         for up in "ZY":
             with self.subTest(up=up):
@@ -133,6 +135,7 @@ class Addon(unittest.TestCase):
                 self.assertGreater((a * numpy.cross(b, c)).sum(), 0)
                 self.assertFalse(result.data.validate())
 
+    # Promise: The add-on: a fractal lies ...
     def test_a_volume_lies_where_its_source_lies(self):
         for up in "ZY":
             with self.subTest(up=up):
@@ -158,6 +161,7 @@ class Addon(unittest.TestCase):
         self.assert_same_box(corners(source), corners(result), 0.1 * longest)
         self.assertGreater(len(result.data.polygons), len(source.data.polygons))
 
+    # Promise: "The mesh is the object's ..."
     def test_the_original_is_hidden_on_request(self):
         source = self.plain()
         self.make()
@@ -166,6 +170,8 @@ class Addon(unittest.TestCase):
         self.make()
         self.assertFalse(other.hide_get() or other.hide_render)
 
+    # Promise of blender.md: "The mesh is the object's own, with its modifiers applied", "and the original is hidden unless *Hide
+    #   Original* is off"
     def test_modifiers_count(self):
         source = self.plain()
         result = self.make()
@@ -176,6 +182,7 @@ class Addon(unittest.TestCase):
         self.assertTrue(source.hide_get(), "it was hidden before")
         self.assertGreater((corners(result)[1] - before[1]).max(), 1)
 
+    # Promise: The add-on: a fractal lies ...
     def test_update_follows_the_settings(self):
         source = self.source()
         result = self.make()
@@ -201,6 +208,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(result.juliavdb.versor, "scales")
         self.assertEqual(len(result.data.polygons), first, "the same recipe gives the same mesh")
 
+    # Promise: The recipe of a fractal is in the .blend ...
     def test_update_turns_a_mesh_into_a_volume(self):
         self.plain()
         result = self.make()
@@ -224,6 +232,7 @@ class Addon(unittest.TestCase):
             attribute.data[index].color = (grey, grey, grey, 1)
         source.data.color_attributes.active_color = attribute
 
+    # Promise: The add-on: a fractal lies ...
     def test_paint_decides_where_the_detail_goes(self):
         for domain, kind in (("POINT", "FLOAT_COLOR"), ("CORNER", "BYTE_COLOR")):
             with self.subTest(domain=domain):
@@ -300,6 +309,7 @@ class Addon(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "no attribute 'Comb' of vectors.*it has Wind"):
             bpy.ops.juliavdb.make()
 
+    # Promise of blender.md#to-make-a-fractal: "Every error is one line, the same as that of the program"
     def test_an_error_of_the_program_is_reported(self):
         bpy.ops.mesh.primitive_grid_add()   # an open mesh
         bpy.context.object.juliavdb.output = "VOLUME"
@@ -316,6 +326,7 @@ class Addon(unittest.TestCase):
         self.assertTrue(failed)
         self.assertIn("--thicken", message)
 
+    # Promise: "Every error is one line, the same ..."
     def test_wrong_options_are_reported(self):
         self.source(more="--no-such-option 3")
         with self.assertRaisesRegex(RuntimeError, "no-such-option"):
@@ -327,6 +338,7 @@ class Addon(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "--half takes no value"):
             bpy.ops.juliavdb.make()
 
+    # Promise: "whatever a .blend says, *Make ..."
     def test_more_takes_the_options_of_a_recipe(self):
         for more in ("--sdf-resolution 60 --iterations 4", "--sdf-resolution=60\n--exhaustive --origin-shift -0.01,0,0",
                      "--sdf-resolution 60 --colour 'trap:magma'"):
@@ -341,6 +353,8 @@ class Addon(unittest.TestCase):
                 command = self.make()["juliavdb_command"].split()
                 self.assertEqual([word for word in command if "attributes" in word], [f"--attributes={expected}"])
 
+    # Promise of blender.md: "whatever a .blend says, *Make Fractal* writes nothing but its own files"; "*More* takes the options
+    #   of a recipe only"
     def test_a_blend_of_somebody_else_writes_no_file(self):
         """Whatever stands in the settings of an object, only the add-on's own files are made."""
         precious = self.folder / "precious.vdb"
@@ -367,6 +381,7 @@ class Addon(unittest.TestCase):
                 self.assertEqual(self.files(), ["options.txt", "precious.vdb"])
                 self.assertEqual(precious.read_text(), "precious")
 
+    # Promise: "Every error is one line, the same ..."
     def test_a_missing_program_is_reported(self):
         self.source()
         self.preferences().program = str(self.folder / "nowhere")
@@ -403,6 +418,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(result.juliavdb.detail, detail)
         self.assertFalse(self.addon.make.said[1])
 
+    # Promise: The add-on: a fractal lies ...
     def test_cancel_leaves_nothing(self):
         for output in ("VOLUME", "MESH"):
             with self.subTest(output=output):
@@ -430,6 +446,8 @@ class Addon(unittest.TestCase):
         self.assertIsNotNone(process.poll())
         self.assertIsNone(self.addon.make.running)
 
+    # Promise of blender.md#to-change-it: The recipe of a fractal is in the .blend file, and its volume beside it
+    # Promise of blender.md#to-change-it: The add-on "never deletes a volume"
     def test_the_recipe_is_in_the_file(self):
         self.preferences().folder = "//volumes"
         blend = str(self.folder / "scene.blend")
@@ -465,6 +483,7 @@ class Addon(unittest.TestCase):
                               str(self.folder / "again.vdb"), "--progress", "none"], capture_output=True, check=False)
         self.assertEqual(run.returncode, 0, run.stderr)
 
+    # Promise of blender.md: Textures of the panel are those "that the program has"; their pictures are made "once"
     def test_textures_are_those_of_the_program(self):
         source = self.source()
         listed = subprocess.run([PROGRAM, "versor", "list"], capture_output=True, text=True, check=True).stdout
@@ -480,6 +499,8 @@ class Addon(unittest.TestCase):
         self.assertFalse(pictures.has_seed(shelf.textures, "quills"))
         self.assertTrue(pictures.has_seed(shelf.textures, "bark"))
 
+    # Promise: Textures of the panel are those ...
+    # Promise: "The panel never waits for the program"
     def test_pictures_of_textures_are_made_once(self):
         pictures = self.addon.pictures
         folder = pictures.folder(pictures.shelf(PROGRAM).version)
@@ -548,6 +569,7 @@ class Addon(unittest.TestCase):
         shader = next(node for node in result.data.materials[0].node_tree.nodes if node.type == "PRINCIPLED_VOLUME")
         self.assertEqual(shader.inputs["Color Attribute"].default_value, "Cd")
 
+    # Promise: The add-on brings in files ...
     def test_colours_are_those_of_blenders_own_importer(self):
         """Bytes of a PLY are sRGB, for both."""
         source = self.source(colour="trap")
@@ -572,6 +594,7 @@ class Addon(unittest.TestCase):
         data = self.addon.ply.encoded(self.addon.meshes.z_up_to_y_up(points), triangles, attributes)
         (self.folder / "source.ply").write_bytes(data)
 
+    # Promise of blender.md: The add-on brings in files "upright, whichever `--up` it was made with", smooth and with a material
     def test_files_come_in_upright_smooth_and_with_a_material(self):
         source = self.plain()
         self.write_source(source)
@@ -598,6 +621,7 @@ class Addon(unittest.TestCase):
                 bpy.ops.juliavdb.import_file(filepath=str(self.folder / name))
             self.assertEqual(set(bpy.data.objects), before)
 
+    # Promise of blender.md: "adds geometry nodes that turn its fog into a smooth surface"
     def test_nodes_make_a_surface_of_a_volume(self):
         source = self.plain(output="VOLUME")
         box = corners(source)
@@ -661,6 +685,7 @@ class Addon(unittest.TestCase):
         mean = (pixels.sum(1) * (numpy.arange(size) + 0.5)).sum() / pixels.sum()
         return [scale * (row / size - 0.5) for row in (rows[0], mean, rows[-1] + 1)], scale / size * (columns[-1] + 1 - columns[0])
 
+    # Promise of attributes.md: "both then have motion blur in Cycles"
     def test_what_moves_is_blurred_in_its_direction(self):
         """A ball with the radius 1 that rises by 1 in a frame, as a mesh and as a volume."""
         for name, height in (("now", 0), ("later", 1)):
@@ -693,6 +718,7 @@ class Addon(unittest.TestCase):
                 self.assertLess(max(abs(low + 1.5), abs(high - 1.5), abs(width - 2)), 0.35)
                 self.assertGreater(mean, 0.1)
 
+    # Promise of blender.md: "The panel never waits for the program"
     def test_drawing_never_waits_for_the_program(self):
         """A program that does not answer holds up a thread, but not what Blender calls to draw."""
         self.source()
@@ -820,6 +846,10 @@ class Addon(unittest.TestCase):
             thing.keyframe_insert("rotation_euler", frame=frame)
             thing.keyframe_insert("location", frame=frame)
 
+    # Promise of blender.md: "The fractal is then that of the object at rest and follows each pose as a skin does"; what counts,
+    #   and why it may not stick
+    # Promise of blender.md: "*Make Animation* makes all frames by one run of the program", and the result plays, "in the window
+    #   and in renders"
     def test_an_animation_sticks_and_plays(self):
         tube = self.tube()
         self.key_object(tube)
@@ -852,6 +882,7 @@ class Addon(unittest.TestCase):
         self.assertLess(sticks, 0.4)
         self.assertGreater(swims, 2 * sticks)
 
+    # Promise: "*Make Animation* makes all ..."
     def test_an_animation_of_a_volume_plays(self):
         tube = self.tube(output="VOLUME", scene_range=False, frame_first=-2, frame_last=10, resolution=32, detail=0.2)
         self.key_object(tube)
@@ -872,6 +903,7 @@ class Addon(unittest.TestCase):
         bpy.context.view_layer.objects.active = result
         self.assertEqual(bpy.ops.juliavdb.add_surface(), {"FINISHED"})
 
+    # Promise: "*Make Animation* makes all ..."
     def test_an_animation_can_be_rendered_and_is_in_the_file(self):
         self.preferences().folder = "//volumes"
         blend = str(self.folder / "scene.blend")
@@ -906,6 +938,7 @@ class Addon(unittest.TestCase):
             self.assertTrue(numpy.array_equal(pixels(f"film{frame:04}.png"), pixels(f"still{frame}.png")))
         self.assertFalse(numpy.array_equal(pixels("still9.png"), pixels("still10.png")))
 
+    # Promise: "The fractal is then that of the object ..."
     def test_a_still_sticks_under_shape_keys_and_modifiers(self):
         """A pose that is the whole shape turned: the fractal is the one at rest, turned."""
         turn = Matrix.Rotation(0.5, 3, (1, 2, 3))
@@ -948,6 +981,7 @@ class Addon(unittest.TestCase):
                 self.assertLess(where[True], 0.3)
                 self.assertGreater(where[False], 2 * where[True])
 
+    # Promise: "The fractal is then that of the object ..."
     def test_other_faces_cannot_stick(self):
         tube = self.tube(resolution=24)
         tube.modifiers.new("Remesh", "REMESH").voxel_size = 0.3
@@ -964,6 +998,7 @@ class Addon(unittest.TestCase):
         self.make()
         self.assertEqual(tube.juliavdb.stick_refused, "")
 
+    # Promise: "The fractal is then that of the object ..."
     def test_what_moves_is_known(self):
         source = self.source()
         moves = self.addon.meshes.what_moves
@@ -1007,6 +1042,7 @@ class Addon(unittest.TestCase):
         with unittest.mock.patch.object(pictures, "icon", lambda _: 7):
             self.assertIn("icons", self.drawn_whole())
 
+    # Promise: "*Make Animation* makes all ..."
     def test_an_animation_is_refused_or_cancelled_without_a_trace(self):
         self.tube(scene_range=False, frame_first=3, frame_last=2)
         with self.assertRaisesRegex(RuntimeError, "first frame, 3, is after the last one, 2"):
@@ -1025,6 +1061,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(self.addon.settings.results_of(tube), [])
         self.assertFalse((self.folder / "volumes").exists())
 
+    # Promise: "*Make Animation* makes all ..."
     def test_a_still_becomes_an_animation(self):
         self.tube(resolution=24, scene_range=False, frame_first=9, frame_last=10)
         result = self.make()
@@ -1039,6 +1076,7 @@ class Addon(unittest.TestCase):
             self.assertEqual(bpy.ops.juliavdb.update(), {"FINISHED"})
             self.assertEqual(result.juliavdb.sequence, before, "the same recipe has the same files")
 
+    # Promise of blender.md: A sequence of files comes in "as one object that plays them, each at its frame"
     def test_a_sequence_comes_in_by_one_click(self):
         source = self.plain(hide_source=False)
         for number in (7, 8, 10):
@@ -1069,6 +1107,7 @@ class Addon(unittest.TestCase):
             bpy.ops.juliavdb.import_file(filepath=str(self.folder / name), **arguments)
             self.assertEqual(bpy.context.object.juliavdb.sequence, "")
 
+    # Promise: "The panel never waits for the program"
     def test_the_panel_has_what_it_draws(self):
         """There is no window to draw in, but every property and operator that the panel names must exist."""
         source = (ROOT / "integrations/blender" / ADDON / "panel.py").read_text()

@@ -126,10 +126,12 @@ class Doors(harness.CliTest):
                 plain = [] if texture == options["texture"]["default"] else ["--texture", texture]
                 self.assertEqual(self.made(*SMALL_WORDS, *small)[0], self.made(*SMALL_WORDS, *plain)[0])
 
+    # Promise of blender.md: "At first every setting has the default of `juliavdb fractal`, so both make the same fractal"
     def test_blender_from_its_sources(self):
         with unittest.mock.patch.dict(os.environ, {"JULIAVDB": harness.program()}):
             self.check_blender(ROOT / "integrations/blender")
 
+    # Promise: "At first every setting has the default ..."
     @unittest.skipUnless("JULIAVDB_BUILD" in os.environ, "JULIAVDB_BUILD does not say where the archive is")
     def test_blender_from_its_archive(self):
         with zipfile.ZipFile(pathlib.Path(os.environ["JULIAVDB_BUILD"], "integrations/blender", f"{ADDON}.zip")) as archive:
@@ -140,6 +142,7 @@ class Doors(harness.CliTest):
         self.assertTrue(settings.Settings.__annotations__)
         self.check_blender(self.folder)
 
+    # Promise of houdini.md: Options of `juliavdb fractal`, "whose defaults hold if you leave the field empty"
     def test_houdini(self):
         shutil.copy(ROOT / "integrations/houdini/juliavdb_shelf.py", self.folder)
         shutil.copy(ROOT / f"integrations/blender/{ADDON}/program.py", self.path("juliavdb_program.py"))

@@ -48,6 +48,7 @@ class Extension(unittest.TestCase):
         self.assertEqual(status, 0, said)
         return said
 
+    # Promise of blender.md: "From 4.2 on it is an extension"
     def test_its_sources_and_its_archive_are_valid(self):
         built = pathlib.Path(self.home) / "built.zip"
         self.ok("--command", "extension", "build", "--source-dir", SOURCES, "--output-filepath", built)
@@ -60,6 +61,7 @@ class Extension(unittest.TestCase):
         manifest.write_text(manifest.read_text().replace("version = \"1", "version = \"one", 1))
         self.assertNotEqual(self.blender("--command", "extension", "validate", wrong)[0], 0)
 
+    # Promise: "From 4.2 on it is an extension"
     def test_it_runs_once_it_is_installed(self):
         self.ok("--command", "extension", "install-file", "-r", "user_default", "-e", ARCHIVE)
         script = pathlib.Path(self.home) / "use.py"

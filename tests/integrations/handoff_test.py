@@ -137,6 +137,7 @@ class Handoff(unittest.TestCase):
         for one, other in zip(first, second):
             self.assertLess(numpy.abs(one - other).max(), tolerance, f"{what}: {first} and {second}")
 
+    # Promise of handoff.md: All files "stand upright in the same place when they are opened in Blender", and follow a sequence
     def test_all_formats_lie_in_the_same_place_and_stand_upright(self):
         source = corners(self.bring("pear.obj"))
         # The pear is longest along its upright axis, and its stem is above the ground.
@@ -190,6 +191,7 @@ class Handoff(unittest.TestCase):
         bpy.ops.export_scene.gltf(filepath=str(self.folder / "walk.glb"), export_format="GLB")
         return thing
 
+    # Promise: Nodes, skins and morph targets ...
     def test_an_animated_gltf_is_what_blender_shows(self):
         """The surface at a frame, against the points that Blender itself shows there."""
         thing = self.animated_pear()
@@ -210,6 +212,9 @@ class Handoff(unittest.TestCase):
                 worst = max(one.find_nearest(point)[3] for point in others)
                 self.assertLess(worst, self.voxel / 2, f"{what} at frame {frame}")
 
+    # Promise of handoff.md#usd: A scene of USD lies where its VDB and mesh lie
+    # Promise of handoff.md: USD: a `Volume` "refers to the VDB by a relative path", and `metersPerUnit` "is 1 unless" a unit or
+    #   another number is given
     def test_usd_lies_there_too(self):
         """Debian's Blender cannot read USD: what the scene says is read here as text."""
         source = corners(self.bring("pear.obj"))
@@ -238,6 +243,7 @@ class Handoff(unittest.TestCase):
         self.assertIn("asset filePath = @./p.vdb@", text)
         self.assertTrue((self.folder / "p.vdb").exists())
 
+    # Promise: All files "stand upright ..."
     def test_keep_lies_on_its_back_where_blender_does_not_ask(self):
         """The files of --up keep have the target's axes: Blender turns those whose format or creator says Y up."""
         source = corners(self.bring("pear.obj"))
@@ -247,6 +253,7 @@ class Handoff(unittest.TestCase):
         self.juliavdb("mesh", "p.vdb", "-o", "k.glb", "--up", "keep")
         self.assert_same_box(source, corners(self.bring("k.glb")), self.voxel, "k.glb")
 
+    # Promise: All files "stand upright ..."
     def test_a_target_with_z_up(self):
         points, faces = pear()
         points = numpy.stack([points[:, 0], -points[:, 2], points[:, 1]], 1)
@@ -262,6 +269,7 @@ class Handoff(unittest.TestCase):
         volume = self.bring("y.vdb")
         self.assert_same_box(box, corners(surface_of(volume)), self.voxel, "y.vdb")
 
+    # Promise: All files "stand upright ..."
     def test_volume_to_mesh_meets_the_mesh(self):
         self.juliavdb("fractal", "pear.obj", "--detail", "0.3", "--frequency", "coarse", "--resolution", "60",
                       "--sdf-resolution", "60", "--up", "auto", "-o", "f.vdb", "--mesh", "f.ply")
@@ -273,6 +281,7 @@ class Handoff(unittest.TestCase):
         self.assertGreater(len(far), 1000)
         self.assertLess(max(far), 3.0 / 60)
 
+    # Promise: All files "stand upright ..."
     def test_a_sequence_follows(self):
         sizes = (1.0, 1.3, 0.7)
         for frame, size in enumerate(sizes, 1):
@@ -297,6 +306,7 @@ class Handoff(unittest.TestCase):
         self.assertIn("startTimeCode = 1\n", text)
         self.assertIn("endTimeCode = 3\n", text)
 
+    # Promise: "Files then have the unit ..."
     def test_a_glb_has_the_size_of_its_unit(self):
         """Blender takes GLBs for metres, and so they have them. Its objects have no scale that would have to be applied."""
         self.juliavdb("mesh", "p.vdb", "-o", "in.glb", "--units", "in")
@@ -304,6 +314,7 @@ class Handoff(unittest.TestCase):
         self.assertEqual(tuple(scaled.scale), (1, 1, 1))
         self.assert_same_box([0.0254 * end for end in corners(plain)], corners(scaled), 1e-6, "inches")
 
+    # Promise: The table of grid names; single names
     def test_grid_names(self):
         """The Principled Volume asks for density, temperature and, as its manual has it, color."""
         self.juliavdb("fractal", "pear.obj", *PLAIN, "--grids", "surface,density", "--attributes", "Cd,trap", "--grid-names",
@@ -318,6 +329,7 @@ class Handoff(unittest.TestCase):
         for attribute in ("Density", "Temperature"):
             self.assertIn(shader.inputs[f"{attribute} Attribute"].default_value, grids.keys())
 
+    # Promise: A GLB has what the mesh has, and levels ...
     def test_normals_of_a_glb_arrive(self):
         """Those of the file, at each corner of a face, so that a smooth surface looks smooth."""
         data = (self.folder / "p.glb").read_bytes()
@@ -348,6 +360,7 @@ class Handoff(unittest.TestCase):
             x, y, z = normals[index]
             self.assertGreater(normal.dot((x, -z, y)), 0.999)
 
+    # Promise: A GLB has what the mesh has, and levels ...
     def test_levels_of_detail(self):
         self.juliavdb("fractal", "pear.obj", *PLAIN, "--mesh", "l.glb", "--lod", "100%,25%,5%")
         bpy.ops.import_scene.gltf(filepath=str(self.folder / "l.glb"))
@@ -356,6 +369,7 @@ class Handoff(unittest.TestCase):
         self.assertAlmostEqual(counts[1] / counts[0], 0.25, delta=0.02)
         self.assertAlmostEqual(counts[2] / counts[0], 0.05, delta=0.02)
 
+    # Promise: A GLB has what the mesh has, and levels ...
     def test_colours_arrive(self):
         """As linear light at the vertices, within what a byte of sRGB can hold."""
         colours = {}

@@ -114,6 +114,8 @@ class Shelf(unittest.TestCase):
     def make(self, kind="volume", options=FAST):
         return self.shelf.make(self.hou, self.node, kind, options, program=harness.program())
 
+    # Promise of houdini.md#a-button-that-makes-a-fractal: The shelf tool runs the program, shows progress, stops it, and loads
+    #   the result
     def test_a_volume_is_made_and_loaded(self):
         shown = self.make()
         self.assertEqual(self.files(), ["box1.0007.source.obj", "box1.0007.vdb"])
@@ -130,6 +132,7 @@ class Shelf(unittest.TestCase):
         self.assertEqual((file.kind, normals.kind, normals.inputs, shown), ("file", "normal", {0: file}, normals))
         self.assertGreater(len(harness.read_ply(pathlib.Path(file.parms["file"]).read_bytes())[1]), 100)
 
+    # Promise: The shelf tool runs the program, shows ...
     def test_escape_stops_the_program(self):
         self.hou.stop_at = 2
         with self.assertRaisesRegex(self.shelf.programs.ProgramError, "Cancelled"):
@@ -137,6 +140,7 @@ class Shelf(unittest.TestCase):
         self.assertEqual(self.files(), ["box1.0007.source.obj"])
         self.assertEqual(self.network.nodes, [])
 
+    # Promise: The shelf tool runs the program, shows ...
     def test_errors_are_one_line(self):
         for options in ("--detail 7", "--no-such 3", "-o else.vdb", "--mesh=else.ply", "--detail"):
             with self.assertRaises(self.shelf.programs.ProgramError) as caught:

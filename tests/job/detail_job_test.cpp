@@ -119,6 +119,8 @@ double forked(const Vec3d& x) {
                    rod(Vec3d(-0.4, 0, 0), Vec3d(-0.5, 0.1, 0.3), 0.09, 0.035)});
 }
 
+// Promise of design.md: "every point with phi <= -m D tau is in the set, and every point with phi >= m O tau is
+//   outside", so that no thin part vanishes
 TEST_F(DetailJob, KeepsItsPromiseOverADenseGrid) {
   const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
   std::vector<Recipe> recipes;
@@ -140,6 +142,8 @@ TEST_F(DetailJob, KeepsItsPromiseOverADenseGrid) {
   }
 }
 
+// Promise of design.md: K "is taken no larger than it has to be", so that detail reaches nearly as deep as D says, and
+//   no deeper
 TEST_F(DetailJob, DetailReachesWhatItsNameSays) {
   const auto ball = [](const Vec3d& x) { return x.length() - 0.4; };
   for (const auto& [name, distance] : {std::pair<const char*, test_fields::Distance>{"ball.vdb", ball},
@@ -156,6 +160,7 @@ TEST_F(DetailJob, DetailReachesWhatItsNameSays) {
   }
 }
 
+// Promise: "every point with phi <= ..."
 TEST_F(DetailJob, TheShellOfABallIsAsDeepAsAskedFor) {
   constexpr double kRadius = 3;
   const std::string ball = write("ball.obj", makeSphere(kRadius, 5, Vec3d(20, -5, 1)));
@@ -178,6 +183,7 @@ TEST_F(DetailJob, TheShellOfABallIsAsDeepAsAskedFor) {
   }
 }
 
+// Promise: "D tau grows with D everywhere", and for D ...
 TEST_F(DetailJob, AThinHandleStaysOnePiece) {
   // A dumbbell whose handle has a quarter of its ends' radius: its core is two voxels thick.
   const auto dumbbell = [](const Vec3d& x) {
@@ -200,6 +206,7 @@ TEST_F(DetailJob, AThinHandleStaysOnePiece) {
   }
 }
 
+// Promise: "Parts that run into each ..."
 TEST_F(DetailJob, ATreeOfTubesStaysOnePiece) {
   // Closed tubes of 12 sides that begin inside of others.
   const auto tube = [](const Vec3d& from, const Vec3d& to, double first, double last) {
@@ -241,6 +248,7 @@ TEST_F(DetailJob, ATreeOfTubesStaysOnePiece) {
   }
 }
 
+// Promise of design.md: "D tau grows with D everywhere", and for D up to 0.8 the core "stays connected"
 TEST_F(DetailJob, MoreDetailIsNowhereLessDeep) {
   const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
   const Scene shallow = scene({{"input", lumpy}, {"detail", "0.2"}}),
@@ -256,6 +264,7 @@ TEST_F(DetailJob, MoreDetailIsNowhereLessDeep) {
   }
 }
 
+// Promise: "the same for a target of any ..."
 TEST_F(DetailJob, SizeAndPlaceDoNotMatter) {
   const Mesh shape = merged(makeSphere(1, 4), makeSphere(0.4, 4, Vec3d(1.1, 0.3, 0)));
   const Scene here = scene({{"input", write("here.obj", shape)}, {"repair", "true"}});
@@ -270,6 +279,7 @@ TEST_F(DetailJob, SizeAndPlaceDoNotMatter) {
   EXPECT_NEAR(scaled / (volume * 16 * 16 * 16), 1, 0.01);
 }
 
+// Promise of controls.md#where-the-dynamics-has-its-origin: The recorded origin makes the same fractal again
 TEST_F(DetailJob, TheRecordedOriginMakesTheSameAgain) {
   const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
   const Scene chosen = scene({{"input", lumpy}});
@@ -282,6 +292,7 @@ TEST_F(DetailJob, TheRecordedOriginMakesTheSameAgain) {
   EXPECT_EQ(middle.metadata.at("julia_origin_at"), "0,0,0");
 }
 
+// Promise of options.md: "A shift from there erodes the set"
 TEST_F(DetailJob, ShiftingTheOriginErodes) {
   const std::string ball = write("ball.obj", makeSphere(1, 5));
   double last = std::numeric_limits<double>::infinity();
@@ -293,6 +304,7 @@ TEST_F(DetailJob, ShiftingTheOriginErodes) {
   }
 }
 
+// Promise of controls.md: Where the mask is 0, "the plain target comes out, to within a voxel"
 TEST_F(DetailJob, AMaskOfZeroGivesThePlainTargetThere) {
   const std::string lumpy = writeField("lumpy.vdb", test_fields::lumpy);
   for (const Recipe& of : std::vector<Recipe>{{{"detail", "0.6"}}, {{"alpha", "15"}}}) {

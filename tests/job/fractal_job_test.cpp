@@ -119,6 +119,7 @@ class Independent {
   julia::reference::MapFunction<double> mMap;
 };
 
+// Promise: "Tests compare everything fast ..."
 TEST_F(FractalJob, AgreesWithAnIndependentMarchingCubes) {
   const CoordBBox box(Coord(-32), Coord(32));
   const double sdfVoxel = 1.0 / 64;
@@ -172,6 +173,7 @@ TEST_F(FractalJob, AgreesWithAnIndependentMarchingCubes) {
   }
 }
 
+// Promise: "the same for a target of any ..."
 TEST_F(FractalJob, SizeAndPlaceDoNotMatter) {
   // A shape without symmetry; the shift is a multiple of both voxel sizes, so that nodes fall on the same places.
   const Mesh shape = test_meshes::merged(test_meshes::makeSphere(0.8, 3),
@@ -203,6 +205,7 @@ TEST_F(FractalJob, SizeAndPlaceDoNotMatter) {
   EXPECT_LT(static_cast<double>(moved), 0.005 * static_cast<double>(near.size()));
 }
 
+// Promise: A larger alpha is nearer ...
 TEST_F(FractalJob, AlphaThinsTheShellAndBetaMovesIt) {
   const std::string input = writeObj("ball.obj", test_meshes::makeSphere(1, 4));
   const double target = 4 * M_PI / 3;
@@ -222,6 +225,7 @@ TEST_F(FractalJob, AlphaThinsTheShellAndBetaMovesIt) {
   EXPECT_LT(volume("40", "0"), volume("40", "0.05"));
 }
 
+// Promise: Floats and doubles give the same ...
 TEST_F(FractalJob, FloatIsNearDouble) {
   const std::string input = writeObj("ball.obj", test_meshes::makeSphere(1, 4));
   const Recipe recipe{
@@ -238,6 +242,7 @@ TEST_F(FractalJob, FloatIsNearDouble) {
   EXPECT_GT(static_cast<double>(same), 0.9999 * static_cast<double>(inDouble.size()));
 }
 
+// Promise: A run from the recipe in a VDB, PLY, OBJ ...
 TEST_F(FractalJob, TheRecipeMakesTheSameBytes) {
   const std::string input = writeObj("ball.obj", test_meshes::makeSphere(1, 3));
   const Recipe recipe{{"input", input},
@@ -263,6 +268,7 @@ TEST_F(FractalJob, TheRecipeMakesTheSameBytes) {
   EXPECT_THROW(bytes(again), DataError);
 }
 
+// Promise: Nothing that is written is infinite ...
 TEST_F(FractalJob, NothingInfiniteReachesAGrid) {
   // Roots on nodes, where a rational is 0 or infinite; huge powers; the same roots above and below.
   julia::Rational rational;

@@ -60,6 +60,7 @@ std::string text(const Recipe& recipe) {
 }
 
 // The region is to hold the whole set: what lies beyond is outside, as far as the escape radius.
+// Promise of sets.md: "a smaller ball is searched, which is proved to hold the set"
 TEST_F(MapJob, TheRegionHoldsTheSet) {
   for (const Recipe& recipe : kRecipes) {
     SCOPED_TRACE(text(recipe));
@@ -87,6 +88,7 @@ TEST_F(MapJob, TheRegionHoldsTheSet) {
 }
 
 // What is skipped would have come out the same.
+// Promise: "with the sign that F has at each node"
 TEST_F(MapJob, SignsAreThoseOfTheEvaluator) {
   for (const Recipe& recipe : kRecipes) {
     SCOPED_TRACE(text(recipe));
@@ -111,6 +113,7 @@ TEST_F(MapJob, SignsAreThoseOfTheEvaluator) {
   }
 }
 
+// Promise: A mesh is "closed, 2-manifold, oriented ..."
 TEST_F(MapJob, MeshesAreClosed) {
   for (const Recipe& recipe : kRecipes) {
     SCOPED_TRACE(text(recipe));
@@ -155,6 +158,7 @@ TEST_F(MapJob, TheRecipeSaysWhatWasTaken) {
   for (const Recipe& recipe : kRecipes) EXPECT_EQ(completed(completed(recipe)), completed(recipe)) << text(recipe);
 }
 
+// Promise: A run from the recipe in a VDB, PLY, OBJ ...
 TEST_F(MapJob, TheRecipeMakesTheSameBytes) {
   const auto bytes = [&](const Recipe& recipe) {
     const Scene scene = makeScene(parseFractalOptions(recipe), mMonitor);
@@ -249,6 +253,7 @@ TEST_F(MapJob, PairDHasTheComplexSetsInItsPlane) {
 
 // A is outside where |x| = |y|, by definition, and that set has no volume: on a lattice with nodes there the shape
 // would come apart along two planes.
+// Promise: "the lattice of a `cross` ..."
 TEST_F(MapJob, APairWithUndefinedPointsIsInOnePiece) {
   const Recipe recipe{{"map", "cross"}, {"pair", "A"}, {"iterations", "5"}};
   const Scene scene = this->scene(recipe);
@@ -270,6 +275,8 @@ TEST_F(MapJob, APairWithUndefinedPointsIsInOnePiece) {
 
 // The lattice of such a map is shifted. What is written is where the nodes were: between the two nodes of a vertex's
 // edge, which the grid's transform places, the definition has a change of sign.
+// Promise: "the lattice of a `cross` ..."
+// Promise: "their meshes and grids say ..."
 TEST_F(MapJob, FilesSayWhereACrossMapWasEvaluated) {
   for (const char* pair : {"A", "C", "D"}) {
     SCOPED_TRACE(pair);
@@ -309,6 +316,7 @@ TEST_F(MapJob, FilesSayWhereACrossMapWasEvaluated) {
   }
 }
 
+// Promise of maps.md#--map-cross: A user's pair that says what a built-in one does is that one
 TEST_F(MapJob, AUsersPairIsTheBuiltInOneByteForByte) {
   const Recipe builtIn{{"map", "cross"}, {"pair", "C"}, {"radius", "4"}};
   const Recipe own{{"map", "cross"}, {"f", "x*x, y*y, z*z"}, {"g", "cos(x), cos(y), cos(z)"}, {"radius", "4"}};
@@ -334,6 +342,7 @@ TEST_F(MapJob, VersorsAreDirectionsInSpace) {
   EXPECT_NEAR(versors[0][2], 0, 1e-6);
 }
 
+// Promise: "An empty result is an error, not ..."
 TEST_F(MapJob, AnEmptySetIsBadData) {
   EXPECT_THROW(mesh({{"map", "cross"}, {"scheme", "5"}, {"pair", "A"}, {"c", "0,0,1.9"}, {"iterations", "50"}}),
                DataError);

@@ -98,6 +98,8 @@ class PointAttributesTest : public testing::Test {
 
 constexpr const char* kAll = "Cd,direction,trap,iterations,depth,tau,mask";
 
+// Promise of attributes.md: Attributes of a vertex "do not depend on the grids"; those of a grid "are computed at the
+//   voxels"
 TEST_F(PointAttributesTest, ValuesAreThoseOfTheReference) {
   const CoordBBox box(Coord(-32), Coord(32));
   const double sdfVoxel = 1.0 / 64, alpha = 20, beta = 0.01, voxel = 0.03;
@@ -158,6 +160,7 @@ TEST_F(PointAttributesTest, ValuesAreThoseOfTheReference) {
   EXPECT_LE(otherIterations, sampled / 100);
 }
 
+// Promise: A picture of a file "has the same ..."
 TEST_F(PointAttributesTest, ColoursAreTheRenderersAlbedo) {
   for (const std::string colour :
        {"direction", "versor", "trap:magma", "iterations:cividis", "depth:coolwarm", "clay", "gradient:inferno"}) {
@@ -189,6 +192,7 @@ TEST_F(PointAttributesTest, ColoursAreTheRenderersAlbedo) {
   }
 }
 
+// Promise: Attributes of a vertex "do ..."
 TEST_F(PointAttributesTest, AStreamedMeshHasTheBytesOfAHeldOneForAnyNumberOfThreads) {
   const Recipe recipe = shape({{"attributes", kAll}, {"colour", "trap:inferno"}});
   std::string first;
@@ -223,6 +227,7 @@ typename Grid::Ptr named(const FractalResult& result, const std::string& name) {
   return nullptr;
 }
 
+// Promise: Attributes of a vertex "do ..."
 TEST_F(PointAttributesTest, GridsHaveTheValuesOfTheirVoxels) {
   // Without "surface" the attributes still lie in its band.
   for (const std::string grids : {"surface", "logmodulus"}) {
@@ -304,6 +309,7 @@ std::string cubeWithUvs() {
   return text.str();
 }
 
+// Promise of attributes.md: `--transfer` carries over what the target has "at its point nearest to the vertex"
 TEST_F(PointAttributesTest, TextureCoordinatesAreThoseOfTheNearestPoint) {
   const Attributed fractal = made(scene({{"input", write("cube.obj", cubeWithUvs())},
                                          {"sdf-resolution", "40"},
@@ -328,6 +334,7 @@ TEST_F(PointAttributesTest, TextureCoordinatesAreThoseOfTheNearestPoint) {
   EXPECT_GT(compared, fractal.mesh.points.size() / 2);
 }
 
+// Promise: `--transfer` carries over what ...
 TEST_F(PointAttributesTest, PaintIsThatOfTheNearestPoint) {
   const Mesh ball = test_meshes::transformed(test_meshes::makeSphere(1, 2), 1, Vec3d(40, -3, 7));
   std::ostringstream text;
@@ -363,6 +370,7 @@ TEST_F(PointAttributesTest, PaintIsThatOfTheNearestPoint) {
   }
 }
 
+// Promise: `--colour` "adds `Cd` to the attributes"; "The name ..."
 TEST_F(PointAttributesTest, APictureIsAGradientAndItsHashIsRecorded) {
   Image row(3, 2);
   row.at(0, 0) = {1, 0, 0};
@@ -380,6 +388,8 @@ TEST_F(PointAttributesTest, APictureIsAGradientAndItsHashIsRecorded) {
   EXPECT_THROW(made(scene(shape({{"colour", "trap:none.png"}}))), MissingInputError);
 }
 
+// Promise of attributes.md: "pictures, meshes, VDBs, tiles and boxes of one recipe have the same colours at any
+//   resolution"
 TEST_F(PointAttributesTest, TheRangeOfAGradientDependsOnTheMapAlone) {
   const auto range = [&](const Recipe& recipe, const std::string& colour) {
     Recipe coloured = recipe;
@@ -424,6 +434,8 @@ TEST_F(PointAttributesTest, AGradientIsSpreadOverTheNumbersOfTheSurface) {
   EXPECT_LT(range.high, highest + 0.02);
 }
 
+// Promise of attributes.md: `--colour` "adds `Cd` to the attributes"; "The name of a picture takes the picture's first
+//   row"
 TEST_F(PointAttributesTest, ColourAloneMeansCd) {
   const auto columns = [&](const Recipe& recipe) {
     return meshColumns(parseFractalOptions(shape(recipe)).output.attributes);
@@ -440,6 +452,7 @@ TEST_F(PointAttributesTest, ColourAloneMeansCd) {
   EXPECT_EQ(names({{"colour", "clay"}, {"transfer", "Cd"}}), "Cd ");
 }
 
+// Promise of attributes.md: "`depth` and `tau` need a target, and `mask` needs a map that has the option"
 TEST_F(PointAttributesTest, RefusesWhatCannotBe) {
   const auto refusal = [&](const Recipe& recipe) -> std::string {
     try {

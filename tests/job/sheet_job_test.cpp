@@ -61,6 +61,7 @@ TEST(SheetPlan, TwoOptionsAreRowsAndColumns) {
 /// The values "1,2,...".
 std::string upTo(int count) { return "1:" + std::to_string(count) + ":1"; }
 
+// Promise of controls.md: A sheet's page is never a strip
 TEST(SheetPlan, NoSheetIsAStrip) {
   constexpr int kLongest = 3;
   const std::vector<std::array<int, 2>> sizes{{256, 256}, {300, 100}, {100, 300}, {300, 300}};
@@ -97,6 +98,7 @@ TEST(SheetPlan, RefusesWhatIsNoSheet) {
   EXPECT_THROW(planSheet({.varied = {varied("alpha=1")}, .view = {{"size", "0x0"}}}), std::invalid_argument);
 }
 
+// Promise: "Options on the command line ..."
 TEST(SheetPlan, AVariedOptionDisplacesItsAlternativeInTheBaseOnly) {
   const VariedOption option = varied("sdf-voxel-size=0.1,0.2");
   const Recipe rest{{"sdf-resolution", "32"}};
@@ -138,6 +140,7 @@ class SheetJob : public testing::Test {
   std::string mBall;
 };
 
+// Promise: A cell of a sheet is what ...
 TEST_F(SheetJob, RecipesAreCompleteAndComeBack) {
   const Sheet sheet = planSheet(options({"alpha=20,40"}));
   const std::string file = mFolder.write("s.json", encodeSheet(sheet)).string();
@@ -176,6 +179,7 @@ TEST_F(SheetJob, OnlyNewCellsAreMade) {
   EXPECT_EQ(more.picture, make(options({"alpha=40,30,20"}), "elsewhere").picture) << "a kept cell looks otherwise";
 }
 
+// Promise: "Nothing is made twice", and the program ...
 TEST_F(SheetJob, WhatChangesACellMakesItAgain) {
   const SheetOptions usual = options({"alpha=20,40"});
   make(usual);
@@ -192,6 +196,7 @@ TEST_F(SheetJob, WhatChangesACellMakesItAgain) {
   EXPECT_EQ(make(usual).reusedCells, 0U) << "the mesh is another one";
 }
 
+// Promise: "Nothing is made twice", and the program ...
 TEST_F(SheetJob, ABrokenCellIsMadeAgain) {
   const SheetPage first = make(options({"alpha=20,40"}));
   for (const std::string& name : finished()) mFolder.write("cells/" + name, "no picture");
@@ -201,6 +206,7 @@ TEST_F(SheetJob, ABrokenCellIsMadeAgain) {
   EXPECT_EQ(make(options({"alpha=20,40"})).reusedCells, 2U);
 }
 
+// Promise: "It fails itself only if ..."
 TEST_F(SheetJob, AFailedCellLeavesTheOthersAlone) {
   const SheetPage page = make(options({"alpha=20,-1,word"}));
   ASSERT_EQ(page.sheet.cells.size(), 3U);
@@ -211,6 +217,7 @@ TEST_F(SheetJob, AFailedCellLeavesTheOthersAlone) {
   EXPECT_NE(page.picture, make(options({"alpha=20"})).picture);
 }
 
+// Promise: "It fails itself only if ..."
 TEST_F(SheetJob, IfAllFailTheirErrorIsTheSheets) {
   EXPECT_THROW(make(options({"alpha=-1,-2"})), std::invalid_argument);
   SheetOptions missing = options({"alpha=20,40"});
@@ -227,6 +234,7 @@ TEST_F(SheetJob, TheFolderCanBeRefused) {
   EXPECT_THROW(make(options({"alpha=20,40"})), CreateError);
 }
 
+// Promise of controls.md: A sheet that takes more than an hour is told before the first cell is made
 TEST_F(SheetJob, WhatTakesLongIsToldBeforeTheFirstCell) {
   /// Notes whether the work on a cell has begun.
   class Watching final : public Monitor {

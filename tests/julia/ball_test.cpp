@@ -302,6 +302,7 @@ TYPED_TEST(BallLaws, stepOfAShapeModulusHoldsEveryPoint) {
   EXPECT_GT(hollows, 5000);
 }
 
+// Promise: Versors of waves are those ...
 TYPED_TEST(BallLaws, stepOfWavesHoldsEveryPoint) {
   using Real = TypeParam;
   Random random(912);
@@ -520,6 +521,7 @@ Embedding randomEmbedding(Random& random) {
           .dropped = std::array{DropAxis::I, DropAxis::J, DropAxis::K}[static_cast<std::size_t>(random.integer(0, 2))]};
 }
 
+// Promise: "All rounding errors are included ..."
 TYPED_TEST(BallLaws, decisionsOfTheShapeModulusHold) {
   using Real = TypeParam;
   Random random(905);
@@ -549,6 +551,8 @@ TYPED_TEST(BallLaws, decisionsOfTheShapeModulusHold) {
     }
 }
 
+// Promise of design.md: "All rounding errors are included in the bounds, so a proof holds for the numbers that would
+//   have been computed"
 TYPED_TEST(BallLaws, blocksHaveTheSignsOfTheirNodes) {
   using Real = TypeParam;
   Random random(912);
@@ -572,6 +576,7 @@ TYPED_TEST(BallLaws, blocksHaveTheSignsOfTheirNodes) {
   EXPECT_GT(sum.outside, sum.nodes / 50);
 }
 
+// Promise: "All rounding errors are included ..."
 TYPED_TEST(BallLaws, decisionsOfRationalsHold) {
   using Real = TypeParam;
   Random random(906);
@@ -597,6 +602,7 @@ TYPED_TEST(BallLaws, decisionsOfRationalsHold) {
   expectMany(sum);
 }
 
+// Promise: "All rounding errors are included ..."
 TYPED_TEST(BallLaws, decisionsOfQuadraticsHold) {
   using Real = TypeParam;
   Random random(907);

@@ -129,6 +129,7 @@ TYPED_TEST(CartesianBalls, imagesHoldEachStep) {
   }
 }
 
+// Promise: "All rounding errors are included ..."
 TYPED_TEST(CartesianBalls, decisionsHoldAtEachPoint) {
   using Real = TypeParam;
   for (const Named<Real>& named : mapsThatProve<Real>()) {

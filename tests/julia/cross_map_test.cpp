@@ -87,6 +87,7 @@ TYPED_TEST(CrossMaps, productsAreThoseOfTheTrigonometricPairs) {
   }
 }
 
+// Promise of design.md: "f x g of the pair A is the square of triplex numbers, the Mandelbulb's power 2"
 TYPED_TEST(CrossMaps, pairAIsTheTriplexSquare) {
   using Real = TypeParam;
   const std::vector<Point> points = pointsInBox(62, 2000, 3);
@@ -105,6 +106,7 @@ TYPED_TEST(CrossMaps, pairAIsTheTriplexSquare) {
   }
 }
 
+// Promise: "Tests compare everything fast ..."
 TYPED_TEST(CrossMaps, orbitsAreTheReferences) {
   using Real = TypeParam;
   const Point constant{-0.75, 0.25, 0.125};
@@ -128,6 +130,7 @@ TYPED_TEST(CrossMaps, orbitsAreTheReferences) {
     }
 }
 
+// Promise: "any size of a batch, and any ..."
 TYPED_TEST(CrossMaps, areTheSameOnAllInstructionSets) {
   using Real = TypeParam;
   std::vector<Point> points = pointsInBox(64, 1500, 2);
@@ -157,6 +160,7 @@ TYPED_TEST(CrossMaps, aPointDoesNotDependOnItsBatch) {
 
 // ------------------------------------------------------------------------------------------- where nothing is defined
 
+// Promise of sets.md: A and A' "are not defined where |x| = |y|. These points count as outside"
 TYPED_TEST(CrossMaps, pairAEscapesWhereItIsNotDefined) {
   using Real = TypeParam;
   std::vector<Point> points;
@@ -175,6 +179,7 @@ TYPED_TEST(CrossMaps, pairAEscapesWhereItIsNotDefined) {
 }
 
 // An iterate, not the point: 0 -> (1/4, 1/4, 1/8), which is undefined.
+// Promise: A and A' "are not defined ..."
 TYPED_TEST(CrossMaps, anIterateMayBeUndefined) {
   const auto evaluator = crossEvaluator<TypeParam>({.scheme = CrossScheme::Julia, .constant = {0.25, 0.25, 0.125}},
                                                    {.maxIterations = 10, .escapeRadius = 2});

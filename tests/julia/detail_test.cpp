@@ -61,6 +61,7 @@ TEST(WantedScale, RefusesAnOriginOutside) {
   EXPECT_THROW(julia::wantedScale(ball(0.3, 0.1), 3, 1), std::invalid_argument);
 }
 
+// Promise: K "is taken no larger than ..."
 TEST(WantedLaw, TrapsWhatLiesBelowTheShell) {
   int plunges = 0;
   for (const double radius : {0.1, 0.3, 0.5})
@@ -80,6 +81,7 @@ TEST(WantedLaw, TrapsWhatLiesBelowTheShell) {
   EXPECT_GT(plunges, 10);
 }
 
+// Promise: K "is taken no larger than ..."
 TEST(WantedLaw, IsItsLineBentAtItsKnee) {
   const julia::DetailLaw law{.logEscape = 0.7, .scale = 1.8, .plunge = 1.1};
   const julia::Knee knee = law.knee();
@@ -93,6 +95,7 @@ TEST(WantedLaw, IsItsLineBentAtItsKnee) {
   EXPECT_EQ((julia::DetailLaw{.logEscape = 0.7, .scale = 1.8, .plunge = 0}.knee().more), 0);
 }
 
+// Promise: K "is taken no larger than ..."
 TEST(WantedLaw, AShallowShellNeedsNoPlunge) {
   for (const double depth : {0.03, 0.06, 0.09}) {
     const RadialMaximum w = ball(0.3, depth);

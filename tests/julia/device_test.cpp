@@ -298,6 +298,9 @@ const std::vector<Rational>& rationals() {
   return all;
 }
 
+// Promise: "The files have the same bytes with every choice"
+// Promise: "have the device follow rays, some ..."
+// Promise of gpu.md: "All rounds of a search are one call"
 TYPED_TEST(Devices, theShapeModulusOfRoots) {
   using Real = TypeParam;
   std::size_t searched = 0;
@@ -319,6 +322,7 @@ TYPED_TEST(Devices, theShapeModulusOfRoots) {
   EXPECT_GT(searched, 1000u);
 }
 
+// Promise: "The files have the same bytes with every choice"
 TYPED_TEST(Devices, theShapeModulusOfWaves) {
   using Real = TypeParam;
   law_tests::Random random(51);
@@ -335,6 +339,7 @@ TYPED_TEST(Devices, theShapeModulusOfWaves) {
   }
 }
 
+// Promise: A fractal with a grain is the same ...
 TYPED_TEST(Devices, theShapeModulusOfAGrain) {
   using Real = TypeParam;
   law_tests::Random random(52);
@@ -395,6 +400,7 @@ std::vector<std::shared_ptr<const julia::VersorField<Real>>> composedVersors(Dro
           mixed(symmetric(waves, 4, 0, true, {}), symmetric(moved, 2, 2, false, {}), -0.3, 1.5)};
 }
 
+// Promise: "The files have the same bytes with every choice"
 TYPED_TEST(Devices, theShapeModulusOfTexturesMadeOfOthers) {
   using Real = TypeParam;
   for (const DropAxis dropped : {DropAxis::I, DropAxis::J, DropAxis::K}) {
@@ -410,6 +416,7 @@ TYPED_TEST(Devices, theShapeModulusOfTexturesMadeOfOthers) {
   }
 }
 
+// Promise: "The files have the same bytes with every choice"
 TYPED_TEST(Devices, rationalMaps) {
   using Real = TypeParam;
   for (std::size_t k = 0; k < rationals().size(); ++k) {
@@ -419,6 +426,7 @@ TYPED_TEST(Devices, rationalMaps) {
   }
 }
 
+// Promise: "The files have the same bytes with every choice"
 TYPED_TEST(Devices, quadraticMaps) {
   using Real = TypeParam;
   const OrbitOptions orbit{.maxIterations = 9, .escapeRadius = 8};
@@ -432,6 +440,7 @@ TYPED_TEST(Devices, quadraticMaps) {
                          1.5, "Mandelbrot");
 }
 
+// Promise: "The files have the same bytes with every choice"
 TYPED_TEST(Devices, crossMaps) {
   using Real = TypeParam;
   if (!firstDevice()->info().doubles) GTEST_SKIP() << "cosines of radians need doubles";
@@ -450,6 +459,8 @@ TYPED_TEST(Devices, crossMaps) {
     }
 }
 
+// Promise: "The files have the same bytes with every choice"
+// Promise: "have the device follow rays, some ..."
 TYPED_TEST(Devices, mandelbulbs) {
   using Real = TypeParam;
   const OrbitOptions orbit{.maxIterations = 6, .escapeRadius = 2};
@@ -610,6 +621,7 @@ TYPED_TEST(Devices, edgesOfALatticeHaveThePlacesOfTheProcessor) {
   }
 }
 
+// Promise: "It also evaluates fields ..."
 TYPED_TEST(Devices, leaveToTheProcessorWhatTheyCannotEvaluate) {
   using Real = TypeParam;
   const auto reasonOf = [](std::unique_ptr<FieldEvaluator> host) {

@@ -69,6 +69,7 @@ double nearQuarters(Random& random) { return random.integer(-1000000, 1000000) *
 #define TRUTH(name) [](const Wide& x) -> Wide { return name(x); }
 #define TRUTH2(name) [](const Wide& x, const Wide& y) -> Wide { return name(x, y); }
 
+// Promise: "neither the instruction set ..."
 TEST(Elementary, LogarithmsAreNear) {
   for (const auto& draw : {std::function<double(Random&)>(ofAnySize), evenly(0.5, 2), evenly(1 - 1e-9, 1 + 1e-9)}) {
     expectNear("log", elementary::log, TRUTH(log), 0.51, draw);
@@ -79,6 +80,7 @@ TEST(Elementary, LogarithmsAreNear) {
   expectNear("log1p", elementary::log1p, TRUTH(boost::multiprecision::log1p), 2, evenly(-1e-8, 1e-8));
 }
 
+// Promise: "neither the instruction set ..."
 TEST(Elementary, ExponentialsAreNear) {
   expectNear("exp", elementary::exp, TRUTH(exp), 0.55, evenly(-708, 709.7));
   expectNear("exp", elementary::exp, TRUTH(exp), 0.55, evenly(-1, 1));
@@ -95,6 +97,7 @@ TEST(Elementary, ExponentialsAreNear) {
   }
 }
 
+// Promise: "neither the instruction set ..."
 TEST(Elementary, PowersAreNear) {
   expectNear("pow", elementary::pow, TRUTH2(pow), 0.6, ofAnySize, evenly(-0.9, 0.9));
   expectNear("pow", elementary::pow, TRUTH2(pow), 0.6, evenly(0.6, 1.6), evenly(-1000, 1000));
@@ -106,6 +109,7 @@ TEST(Elementary, PowersAreNear) {
     expectNear("hypot", hypot, TRUTH2(boost::multiprecision::hypot), 1.5, draw, draw);
 }
 
+// Promise: "neither the instruction set ..."
 TEST(Elementary, AnglesAreNear) {
   for (const auto& draw : {evenly(-7, 7), evenly(-1e6, 1e6), std::function<double(Random&)>(nearQuarters)}) {
     expectNear("sin", elementary::sin, TRUTH(sin), 3, draw);
@@ -140,6 +144,7 @@ TEST(Elementary, SineAndCosineOfLargeAnglesAreThoseOfTheExactNumber) {
   EXPECT_EQ(elementary::sin(-1e300), -elementary::sin(1e300));
 }
 
+// Promise: "neither the instruction set ..."
 TEST(Elementary, ExactWhereTheResultIsANumber) {
   for (int n = -300; n <= 300; ++n) {
     EXPECT_EQ(elementary::log2(std::ldexp(1, n)), n);

@@ -194,6 +194,7 @@ class OrbitLaws : public testing::Test {
 using Reals = testing::Types<float, double>;
 TYPED_TEST_SUITE(OrbitLaws, Reals);
 
+// Promise: "Tests compare everything fast ..."
 TYPED_TEST(OrbitLaws, quadratic) {
   using Real = TypeParam;
   const OrbitOptions options{.maxIterations = 7, .escapeRadius = 20};
@@ -207,6 +208,7 @@ TYPED_TEST(OrbitLaws, quadratic) {
   }
 }
 
+// Promise: "Tests compare everything fast ..."
 TYPED_TEST(OrbitLaws, rational) {
   using Real = TypeParam;
   const OrbitOptions options{.maxIterations = 3, .escapeRadius = 20};
@@ -220,6 +222,7 @@ TYPED_TEST(OrbitLaws, rational) {
                      grid(14, 0.109375), options, 0, 0.9, "rational", embedding);
 }
 
+// Promise of design.md: "Tests compare everything fast with" the reference
 TYPED_TEST(OrbitLaws, shapeModulus) {
   using Real = TypeParam;
   const OrbitOptions options{.maxIterations = 3, .escapeRadius = 20};
@@ -250,6 +253,7 @@ TYPED_TEST(OrbitLaws, shapeModulusInASlice) {
 }
 
 // The double evaluator is held to the reference above; a million nodes in 128 bits would take minutes.
+// Promise: Floats and doubles give the same ...
 TEST(FloatOrbit, flipsFewSigns) {
   const OrbitOptions options{.maxIterations = 3, .escapeRadius = 20};
   const std::vector<Point> points = grid(100, 1. / 64);
@@ -492,6 +496,7 @@ class ConstantField final : public julia::ScalarField<Real> {
   Real mValue;
 };
 
+// Promise: Nothing that is written is infinite ...
 TYPED_TEST(OrbitLaws, nothingInfiniteOrNaNLeaves) {
   using Real = TypeParam;
   Random random(65);
@@ -559,6 +564,7 @@ TEST(Evaluator, refusesImpossibleOptions) {
   EXPECT_THROW(make({.logTrap = nan}, 0), std::invalid_argument);
 }
 
+// Promise: "E may be clamped to the interval ..."
 TYPED_TEST(OrbitLaws, trapKeepsEverySign) {
   using Real = TypeParam;
   for (const double alpha : {10., 40., 100.})

@@ -54,6 +54,7 @@ class ExpressionPairs : public testing::Test {};
 using Reals = testing::Types<float, double>;
 TYPED_TEST_SUITE(ExpressionPairs, Reals);
 
+// Promise: A user's pair that says what ...
 TYPED_TEST(ExpressionPairs, equalToBuiltInOnesGiveTheSameSigns) {
   using Real = TypeParam;
   std::vector<Point> points = pointsInBox(81, 3000, 1.5);

@@ -25,6 +25,7 @@ TEST(Expression, HasTheValueThatItSays) {
   EXPECT_TRUE(std::isnan(Expression("sqrt(x)", {"x"}).at(std::array{-1.})));
 }
 
+// Promise: "neither the instruction set ..."
 TEST(Expression, FunctionsAndPowersAreThoseOfTheLibrary) {
   namespace elementary = julia::elementary;
   using Function = double (*)(double);

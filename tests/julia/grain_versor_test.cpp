@@ -78,6 +78,7 @@ class GrainVersors : public testing::Test {};
 using Reals = testing::Types<float, double>;
 TYPED_TEST_SUITE(GrainVersors, Reals);
 
+// Promise: Waves along a grain "are as long ..."
 TYPED_TEST(GrainVersors, areAsDefined) {
   using Real = TypeParam;
   Random random(2201);
@@ -109,6 +110,7 @@ TYPED_TEST(GrainVersors, areAsDefined) {
 }
 
 /// A phase of pi and one of -pi are the same, and so are the versors on both sides.
+// Promise: Waves along a grain "are as long ..."
 TYPED_TEST(GrainVersors, haveNoSeamWhereAPhaseBeginsAnew) {
   using Real = TypeParam;
   Random random(2202);
@@ -123,6 +125,7 @@ TYPED_TEST(GrainVersors, haveNoSeamWhereAPhaseBeginsAnew) {
   }
 }
 
+// Promise: Waves along a grain "are as long ..."
 TYPED_TEST(GrainVersors, are1WhereNothingIsCertain) {
   using Real = TypeParam;
   Random random(2203);
@@ -175,6 +178,7 @@ TYPED_TEST(GrainVersors, haveTheBitsOfFieldsThatAreReadOneByOne) {
 }
 
 /// What is proved about blocks of nodes is what their evaluation gives.
+// Promise: Waves along a grain "are as long ..."
 TYPED_TEST(GrainVersors, blocksHaveTheSignsOfTheirNodes) {
   using Real = TypeParam;
   Random random(2204);

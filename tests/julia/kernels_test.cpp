@@ -70,6 +70,7 @@ class Kernels : public testing::Test {};
 using Reals = testing::Types<float, double>;
 TYPED_TEST_SUITE(Kernels, Reals);
 
+// Promise: "any size of a batch, and any ..."
 TYPED_TEST(Kernels, rationalsAreTheSameOnAllInstructionSets) {
   using Real = TypeParam;
   for (const bool integer : {false, true})
@@ -90,6 +91,7 @@ TYPED_TEST(Kernels, rationalsAreTheSameOnAllInstructionSets) {
       }
 }
 
+// Promise: "any size of a batch, and any ..."
 TYPED_TEST(Kernels, orbitsAreTheSameOnAllInstructionSets) {
   using Real = TypeParam;
   std::mt19937_64 random(8);
@@ -109,6 +111,7 @@ TYPED_TEST(Kernels, orbitsAreTheSameOnAllInstructionSets) {
   }
 }
 
+// Promise: "any size of a batch, and any ..."
 TYPED_TEST(Kernels, aPointDoesNotDependOnItsBatch) {
   using Real = TypeParam;
   const Rational rational = seededRational(3, 9, 11, false);
@@ -237,6 +240,7 @@ TYPED_TEST(Kernels, bricksBendBelowTheirKnee) {
 }
 
 // Between nodes the trilinear slope jumps; the B-spline's does not.
+// Promise of options.md: "`quadratic` hides the creases of the distance field"
 TYPED_TEST(Kernels, quadraticReadingHasNoCreases) {
   using Real = TypeParam;
   const auto f = [](int x, int y, int z) { return std::sin(1.7 * x) + std::cos(2.3 * y + z); };

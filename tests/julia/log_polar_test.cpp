@@ -112,6 +112,7 @@ TYPED_TEST(LogPolarLaws, partsAreThoseOfTheWideNumber) {
   }
 }
 
+// Promise of design.md: "The versor of 0 is 1", and "coincident top and bottom roots cancel"
 TYPED_TEST(LogPolarLaws, zeroAndInfinity) {
   using Real = TypeParam;
   const Real infinity = std::numeric_limits<Real>::infinity();

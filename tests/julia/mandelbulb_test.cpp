@@ -100,6 +100,7 @@ TYPED_TEST(Mandelbulbs, powersOfZero) {
   EXPECT_EQ(values.iterations[0], 1);
 }
 
+// Promise: "Tests compare everything fast ..."
 TYPED_TEST(Mandelbulbs, orbitsAreTheReferences) {
   using Real = TypeParam;
   const OrbitOptions orbit{.maxIterations = 4, .escapeRadius = 2};
@@ -117,6 +118,7 @@ TYPED_TEST(Mandelbulbs, orbitsAreTheReferences) {
 }
 
 // Off the set where the pair is not defined.
+// Promise: "f x g of the pair A is the square ..."
 TYPED_TEST(Mandelbulbs, powerTwoIsPairAOfTheCrossProducts) {
   using Real = TypeParam;
   const std::vector<Point> points = pointsInBox(73, 5000, 1.25);
@@ -132,6 +134,7 @@ TYPED_TEST(Mandelbulbs, powerTwoIsPairAOfTheCrossProducts) {
   }
 }
 
+// Promise: "any size of a batch, and any ..."
 TYPED_TEST(Mandelbulbs, areTheSameOnAllInstructionSets) {
   using Real = TypeParam;
   std::vector<Point> points = pointsInBox(74, 1500, 1.5);
@@ -159,6 +162,7 @@ TYPED_TEST(Mandelbulbs, overflowIsEscape) {
 }
 
 // On rays from the origin: all that lies beyond the bound has escaped, and not only what lies beyond the radius.
+// Promise: "a smaller ball is searched, which is proved ..."
 TYPED_TEST(Mandelbulbs, beyondTheBoundAllHasEscaped) {
   using Real = TypeParam;
   for (const double n : {2., 3.5, 8.})

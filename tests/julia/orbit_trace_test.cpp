@@ -34,6 +34,7 @@ struct Kept {
   std::vector<julia::OrbitEnd> ends;
 };
 
+// Promise: What F is made of, beside ...
 TEST(OrbitTrace, FollowsAQuadraticMap) {
   const Quaternion<double> c{-0.2, 0.6, 0.2, 0.2};
   const julia::OrbitOptions options{.maxIterations = 7, .escapeRadius = 4};
@@ -71,6 +72,7 @@ TEST(OrbitTrace, FollowsAQuadraticMap) {
   EXPECT_GT(stayed, 100);
 }
 
+// Promise: What F is made of, beside ...
 TEST(OrbitTrace, RefusesSpansOfAnotherSize) {
   const std::shared_ptr<const julia::Map<double>> map =
       std::make_shared<julia::QuadraticMap<double>>(Quaternion<double>{});

@@ -19,6 +19,7 @@ using julia::Quaternion;
 using law_tests::Random;
 using law_tests::text;
 
+// Promise: "a smaller ball is searched, which is proved ..."
 TEST(QuadraticBound, everythingOutsideHasEscaped) {
   Random random(66);
   for (int round = 0; round < 200; ++round) {

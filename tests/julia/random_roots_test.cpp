@@ -28,6 +28,7 @@ double sphere(const Point& x) { return std::hypot(x[0], x[1], x[2]) - 0.4; }
 Point pointOf(const Root& root) { return {root.position.a, root.position.b, root.position.c}; }
 
 // mt19937_64 is fixed by the standard, and no other step leaves room: these are the numbers of every machine.
+// Promise of design.md: "Every seed is in the recipe", and no library can change what it draws
 TEST(RandomPolynomial, frozen) {
   RandomRootsOptions options;
   options.count = 3;
@@ -44,6 +45,8 @@ TEST(RandomPolynomial, frozen) {
   EXPECT_EQ(polynomial.roots[2].power, 0x1.c05bea6e8699fp+2);
 }
 
+// Promise: "Every seed is in the recipe", and no library ...
+// Promise of textures.md: "Every seed is another texture"
 TEST(RandomPolynomial, seedDecides) {
   for (const RootPlacement placement :
        {RootPlacement::Box, RootPlacement::Inside, RootPlacement::Surface, RootPlacement::Cluster})

@@ -82,6 +82,7 @@ Polynomial polynomialOf(Random& random, int count, Powers powers, double radius 
   return polynomial;
 }
 
+// Promise: "Tests compare everything fast ..."
 TYPED_TEST(RationalLaws, agreesWithTheReference) {
   Random random(10);
   for (int round = 0; round < 60; ++round) {
@@ -97,6 +98,7 @@ TYPED_TEST(RationalLaws, agreesWithTheReference) {
   }
 }
 
+// Promise: The log-polar form never ...
 TYPED_TEST(RationalLaws, thousandRootsWithPowersToFifty) {
   // Roots on the unit sphere seen from near its centre: ln|q - t| is near 0, and 50 times a thousand of them stay in
   // the range of 128 bits (e^11356), though in no other's.
@@ -132,6 +134,7 @@ TYPED_TEST(RationalLaws, closeToARoot) {
   this->expectAgrees(rational, q.template as<double>(), "next number");
 }
 
+// Promise: "The versor of 0 is 1", and "coincident ..."
 TYPED_TEST(RationalLaws, rootsHitExactly) {
   using Real = TypeParam;
   const Real infinity = std::numeric_limits<Real>::infinity();
@@ -197,6 +200,7 @@ TYPED_TEST(RationalLaws, orderTurnsTheVersorOnly) {
   EXPECT_GE(turned, 40);
 }
 
+// Promise: "The versor of 0 is 1", and "coincident ..."
 TYPED_TEST(RationalLaws, aPolynomialOverItselfIsOne) {
   using Real = TypeParam;
   Random random(14);
@@ -212,6 +216,7 @@ TYPED_TEST(RationalLaws, aPolynomialOverItselfIsOne) {
 }
 
 // Chiefly that nothing is NaN, whatever is close to, far from or on whatever, with powers up to the largest allowed.
+// Promise: Nothing that is written is infinite ...
 TYPED_TEST(RationalLaws, neverNaN) {
   using Real = TypeParam;
   using Limits = std::numeric_limits<Real>;
@@ -241,6 +246,7 @@ TYPED_TEST(RationalLaws, neverNaN) {
   }
 }
 
+// Promise: The log-polar form never ...
 TYPED_TEST(RationalLaws, manyLargePowersKeepAVersor) {
   using Real = TypeParam;
   Random random(16);

@@ -154,6 +154,7 @@ class LogPolarNeedsNoGuard : public testing::Test {};
 using Reals = testing::Types<float, double>;
 TYPED_TEST_SUITE(LogPolarNeedsNoGuard, Reals);
 
+// Promise of design.md: The log-polar form never leaves "the range of a 32-bit float", without a guard
 TYPED_TEST(LogPolarNeedsNoGuard, finiteAndOfTheRightSign) {
   using Real = TypeParam;
   const Rational rational = likeTheBunny();

@@ -101,6 +101,7 @@ RadialMaximum randomTable(Random& random) {
   return table;
 }
 
+// Promise of design.md: "E may be clamped to the interval (ln r_in, ln escape) without changing any sign"
 TEST(ShellInterval, soundAndTightForRandomTables) {
   Random random(40);
   // exp(log(r)) may leave a ball by a rounding.

@@ -65,6 +65,7 @@ double degreesBetween(const Point& a, const Point& b) {
   return std::acos(std::min(1., std::abs(dotOf(a, b)))) * 360 / kTurn;
 }
 
+// Promise: A grain: its table, `--grain-turn`, and that vectors ...
 TEST(SurfaceGraphs, aTorusBendsLeastAlongItsRing) {
   const SurfaceGraph graph = torus();
   const std::vector<julia::Bending> bending = julia::bendings(graph, 1);
@@ -93,6 +94,7 @@ TEST(SurfaceGraphs, theGradientOfALinearFunctionIsItsTangentialPart) {
 }
 
 /// A few wishes without a sign are enough: the field passes on their line and agrees on one sign.
+// Promise: A grain: its table, `--grain-turn`, and that vectors ...
 TEST(SurfaceGraphs, directionsFollowWishesSmoothly) {
   const SurfaceGraph graph = torus();
   std::vector<DirectionWish> wishes(graph.size());
@@ -109,6 +111,7 @@ TEST(SurfaceGraphs, directionsFollowWishesSmoothly) {
   EXPECT_TRUE(forward == 0 || forward == static_cast<int>(graph.size())) << forward;
 }
 
+// Promise: A grain: its table, `--grain-turn`, and that vectors ...
 TEST(SurfaceGraphs, wishesWithASignKeepIt) {
   const SurfaceGraph graph = torus();
   std::vector<DirectionWish> wishes(graph.size());
@@ -120,6 +123,7 @@ TEST(SurfaceGraphs, wishesWithASignKeepIt) {
 }
 
 /// On a plane the phases are those of a plane wave; around a tube, a whole number of waves closes.
+// Promise: Waves along a grain "are as long ..."
 TEST(SurfaceGraphs, stripesAreWavesThatClose) {
   const SurfaceGraph graph = torus();
   constexpr double kWaves = 3.2;  // around the tube, which is no whole number

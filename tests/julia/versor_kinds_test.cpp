@@ -160,6 +160,8 @@ int expectConesHold(const VersorField<Real>& field, Random& random, const std::s
   return known;
 }
 
+// Promise of design.md#211-texture-that-follows-the-thickness: Formulas, fields, layers and symmetries: bounds hold,
+//   and their bytes are the same in all ways and from their recipes
 TYPED_TEST(VersorKinds, theirConesHoldTheirVersors) {
   using Real = TypeParam;
   Random random(71);
@@ -183,6 +185,7 @@ TYPED_TEST(VersorKinds, theirConesHoldTheirVersors) {
   for (const int each : known) EXPECT_GT(each, kRounds * 60 / 4);
 }
 
+// Promise: Layers: "0 is the first alone, 1 ..."
 TYPED_TEST(VersorKinds, layersOf0And1AreTheLayersToTheBit) {
   using Real = TypeParam;
   Random random(72);
@@ -223,6 +226,7 @@ Quaternion<double> image(const Symmetry& symmetry, DropAxis dropped, const Quate
   return embedding.put(imaged, x);
 }
 
+// Promise of textures.md: "A set over a target that has the symmetry has it too"
 TYPED_TEST(VersorKinds, symmetricOnesAreTheSameAtAllImages) {
   using Real = TypeParam;
   Random random(73);
@@ -250,6 +254,7 @@ TYPED_TEST(VersorKinds, symmetricOnesAreTheSameAtAllImages) {
   EXPECT_GT(compared, 300);
 }
 
+// Promise: "A set over a target that has the symmetry has it too"
 TYPED_TEST(VersorKinds, mirrorsAskOnOneSideAlone) {
   using Real = TypeParam;
   Random random(74);
@@ -272,6 +277,7 @@ TYPED_TEST(VersorKinds, movedOnesAreAskedElsewhere) {
   }
 }
 
+// Promise: A versor that is a formula ...
 TYPED_TEST(VersorKinds, vectorsLieWhereTheyAreRead) {
   using Real = TypeParam;
   Random random(76);
@@ -292,6 +298,7 @@ TYPED_TEST(VersorKinds, vectorsLieWhereTheyAreRead) {
   EXPECT_LT(apart(u, (Quaternion<double>{0.5, -0.5, 0.5, -0.5})), 4 * law_tests::kEpsilon<Real>);
 }
 
+// Promise: "Where a direction is undefined ..."
 TYPED_TEST(VersorKinds, areOfLength1WhateverTheLengthsAre) {
   using Real = TypeParam;
   const Quaternion<double> none[] = {{}, {kInfinity, 0, 0, 0}, {0, std::nan(""), 1, 0}, {0, 0, -kInfinity, 1}};

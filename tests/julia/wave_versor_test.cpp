@@ -60,6 +60,8 @@ class WaveVersors : public testing::Test {};
 using Reals = testing::Types<float, double>;
 TYPED_TEST_SUITE(WaveVersors, Reals);
 
+// Promise of design.md: Versors of waves are those of their definition, have no seam between octaves, and "the versor
+//   counts as 1" where a sum vanishes; their bounds hold; their bytes are the same in all ways
 TYPED_TEST(WaveVersors, areWhatTheDefinitionSays) {
   using Real = TypeParam;
   constexpr double eps = law_tests::kEpsilon<Real>;
@@ -109,6 +111,7 @@ TYPED_TEST(WaveVersors, oneOctaveMoreIsThePointsDoubled) {
   EXPECT_GT(compared, 50);
 }
 
+// Promise: Versors of waves are those ...
 TYPED_TEST(WaveVersors, haveNoSeamBetweenOctaves) {
   using Real = TypeParam;
   Random random(43);
@@ -126,6 +129,7 @@ TYPED_TEST(WaveVersors, haveNoSeamBetweenOctaves) {
   }
 }
 
+// Promise: Versors of waves are those ...
 TYPED_TEST(WaveVersors, areOfUnitLengthAlsoWhereASumVanishes) {
   using Real = TypeParam;
   // cos + cos of opposite amplitudes is 0 everywhere; the second factor is 0 at the origin alone.
@@ -142,6 +146,7 @@ TYPED_TEST(WaveVersors, areOfUnitLengthAlsoWhereASumVanishes) {
     }
 }
 
+// Promise: Versors of waves are those ...
 TYPED_TEST(WaveVersors, areTheSameOnAllInstructionSetsAndInAllBatches) {
   using Real = TypeParam;
   Random random(44);

@@ -191,12 +191,15 @@ def twins(root):
 class TheTree(unittest.TestCase):
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
+    # Promise of architecture.md: "A room may include itself, the rooms *above it in this table*, and libjulia"
     def test_nothing_includes_what_lies_above_it(self):
         self.assertEqual(complaints(self.root), [])
 
+    # Promise of design.md: The library "never prints, and it never exits"
     def test_the_libraries_neither_print_nor_exit(self):
         self.assertEqual(speakers(self.root), [])
 
+    # Promise: "A room may include itself, the rooms ..."
     def test_one_header_introduces_each_room(self):
         for room, headers in introductions(self.root).items():
             with self.subTest(room=room):

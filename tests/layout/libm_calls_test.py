@@ -65,6 +65,8 @@ class LibmCalls(unittest.TestCase):
         self.assertLessEqual({"sin", "expf", "powl", "sincos", "lgamma", "sqrt", "frexp"}, self.functions)
         self.assertEqual([name for name in ("sin", "expf", "log2", "tgammal") if is_exact(name)], [])
 
+    # Promise of design.md: "neither the instruction set nor the C library decides a bit", but for the three places that the page
+    #   names
     def test_every_call_has_a_reason(self):
         self.assertEqual(sorted(set(FILES) - set(REMAINING)), [])
         for target, file in FILES.items():

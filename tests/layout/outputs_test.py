@@ -40,6 +40,7 @@ def makers():
 
 class Outputs(unittest.TestCase):
 
+    # Promise: "No output replaces an input", through ...
     def test_nothing_is_written_past_the_check(self):
         self.assertEqual(makers(), set(EXCEPTIONS))
 

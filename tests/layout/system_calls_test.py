@@ -42,6 +42,7 @@ def starters():
 
 class SystemCalls(unittest.TestCase):
 
+    # Promise of SECURITY.md: "No expression, recipe or file makes the program start another"
     def test_nothing_but_the_program_starts_another(self):
         for target, file in FILES.items():
             with self.subTest(target=target):
@@ -49,6 +50,7 @@ class SystemCalls(unittest.TestCase):
                 self.assertEqual(found, {"popen", "posix_spawn", "posix_spawnp"} if target == "juliavdb_cli" else set())
         self.assertEqual(starters(), set(STARTERS))
 
+    # Promise of SECURITY.md: "Nothing but `explore` opens a socket, and it makes no request of its own"
     def test_nothing_opens_a_connection(self):
         """The server of explore has a socket, at which it waits for the connections of others."""
         for target, file in FILES.items():

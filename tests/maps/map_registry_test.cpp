@@ -17,6 +17,7 @@ Recipe defaultsOf(const MapDescriptor& map) {
   return completeRecipe(recipe, fractalOptionTable());
 }
 
+// Promise: Every map has the options, defaults ...
 TEST(Maps, TakeTheirOwnDefaults) {
   for (const MapRegistry maps = builtInMaps(); const auto& map : maps.maps()) {
     SCOPED_TRACE(map->name());

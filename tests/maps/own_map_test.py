@@ -16,6 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 
 class OwnMap(harness.CliTest):
 
+    # Promise of architecture.md: "A map that is not part of the project is added to the `MapRegistry` by the program that has it"
     def test_it_makes_a_closed_mesh_and_a_level_set_with_its_recipe(self):
         done = subprocess.run([os.environ["JULIAVDB_OWN_MAP"], self.folder], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -27,6 +28,7 @@ class OwnMap(harness.CliTest):
         metadata = pyopenvdb.readMetadata(str(self.path("own_map.vdb")))
         self.assertEqual((metadata["julia_map"], metadata["julia_exponent"]), ("power", "4"))
 
+    # Promise: "A map that is not part of the project ..."
     def test_no_other_file_knows_of_it(self):
         for folder in ("libjulia", "vdbtools", "cli"):
             for path in (ROOT / folder).rglob("*.[ch]*"):

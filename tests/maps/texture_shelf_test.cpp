@@ -56,6 +56,7 @@ TEST(TextureShelf, isOfRootsOrOfWaves) {
   EXPECT_TRUE(defaultTexture().followsThickness());
 }
 
+// Promise of textures.md: "All powers are whole", and "the size and the place of a mesh do not matter"
 TEST(TextureShelf, hasWholePowersThatFloatsServe) {
   for (const Texture& texture : textureShelf()) {
     if (texture.followsThickness()) continue;
@@ -72,6 +73,7 @@ TEST(TextureShelf, hasWholePowersThatFloatsServe) {
   }
 }
 
+// Promise: "All powers are whole", and "the size ..."
 TEST(TextureShelf, growsWithItsTarget) {
   for (const Texture& texture : textureShelf()) {
     SCOPED_TRACE(texture.name);
@@ -97,6 +99,7 @@ TEST(TextureShelf, wavesGrowWithTheirScale) {
   }
 }
 
+// Promise: Textures: the table, the default, and those ...
 TEST(TextureShelf, seedsVaryWhatSaysSo) {
   bool someVary = false;
   for (const Texture& texture : textureShelf()) {
@@ -150,6 +153,7 @@ class TextureJob : public testing::Test {
   Monitor mMonitor;
 };
 
+// Promise: "All powers are whole", and "the size ..."
 TEST_F(TextureJob, EachMakesAClosedMeshOfABall) {
   const std::string input = write("ball.obj", test_meshes::makeSphere(2, 4, {1, 2, 3}));
   for (const Texture& texture : textureShelf()) {
@@ -162,6 +166,7 @@ TEST_F(TextureJob, EachMakesAClosedMeshOfABall) {
   }
 }
 
+// Promise: "All powers are whole", and "the size ..."
 TEST_F(TextureJob, TheTargetsPlaceDoesNotMatter) {
   const std::string here = write("a.obj", test_meshes::makeSphere(2, 4));
   const std::string there = write("b.obj", test_meshes::makeSphere(2, 4, {64, -32, 8}));
@@ -184,6 +189,7 @@ TEST_F(TextureJob, TheTargetsPlaceDoesNotMatter) {
 
 std::string versorOf(const Recipe& recipe) { return completeRecipe(recipe, fractalOptionTable()).at("texture"); }
 
+// Promise of textures.md: "Without `--texture`, a seed means random roots, as does every other option of random roots"
 TEST(TextureOptions, whoSpeaksOfRandomRootsGetsThem) {
   EXPECT_EQ(versorOf({{"input", "a.obj"}}), defaultTexture().name);
   EXPECT_EQ(versorOf({{"input", "a.obj"}, {"texture", "coral"}, {"texture-seed", "4"}}), "coral");
@@ -194,6 +200,7 @@ TEST(TextureOptions, whoSpeaksOfRandomRootsGetsThem) {
   EXPECT_EQ(versorOf({{"map", "rational"}, {"input", "a.obj"}}), "random");
 }
 
+// Promise: "Without `--texture`, a seed ..."
 TEST(TextureOptions, recordedRecipesOfTexturesHaveNoRandomRoots) {
   const Recipe texture = completeRecipe({{"input", "a.obj"}}, fractalOptionTable());
   EXPECT_FALSE(texture.contains("texture-roots"));
@@ -220,6 +227,7 @@ std::string refusal(const Recipe& recipe) {
   return "";
 }
 
+// Promise: `--frequency`: words, numbers, controls; "A frequency ..."
 TEST(TextureOptions, badOnesAreRefused) {
   const std::string unknown = refusal({{"input", "a.obj"}, {"texture", "feather"}});
   EXPECT_NE(unknown.find("feather"), std::string::npos) << unknown;

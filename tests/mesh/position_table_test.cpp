@@ -48,6 +48,7 @@ std::vector<Vec3d> latticePoints(int side) {
   return points;
 }
 
+// Promise of reliability.md: "No file can make the welding of its points quadratic"
 TEST(PositionTable, ComparesFewPairsWhateverTheFile) {
   for (const std::vector<Vec3d>& points : {collidingPoints(200000), latticePoints(50)}) {
     std::vector<Vec3d> places;
@@ -79,6 +80,7 @@ TEST(PositionTable, NumbersPlacesAsTheyComeFirst) {
   }
 }
 
+// Promise: "No file can make the welding ..."
 TEST(WeldMesh, TakesAMeshWhosePointsWereChosenToCollide) {
   vdbtools::Mesh mesh;
   mesh.points = collidingPoints(200000);

@@ -239,6 +239,8 @@ class ImportedMesh : public testing::Test {
   TemporaryFolder mFolder;
 };
 
+// Promise of targets.md: FBX, DAE, 3DS and X3D: "the program reads them with `--trust-importer` only", "no recipe and
+//   no request of the page can set it"; "all meshes where the nodes place them", turned such that Y points up
 TEST_F(ImportedMesh, IsTheMeshOfAnObj) {
   const Shape shape = prism();
   const Mesh wanted = read("a.obj", obj(shape, {{}}));
@@ -253,6 +255,7 @@ TEST_F(ImportedMesh, IsTheMeshOfAnObj) {
   expectSame("b.3ds", threeDs(tetrahedron()), simple);
 }
 
+// Promise: FBX, DAE, 3DS and X3D: "the program ..."
 TEST_F(ImportedMesh, StandsWhereTheNodesShowIt) {
   const Shape shape = prism();
   const std::vector<Place> places = {{{10, 0, 0}, {2, 2, 2}}, {{-8, 0.5, 0}, {-1, 1, 4}}, {{0, 0, 30}, {1, 1, 1}}};
@@ -262,6 +265,7 @@ TEST_F(ImportedMesh, StandsWhereTheNodesShowIt) {
   expectSame("a.fbx", fbx(shape, places), wanted);
 }
 
+// Promise: FBX, DAE, 3DS and X3D: "the program ..."
 TEST_F(ImportedMesh, IsTurnedToYUpAndKeepsItsNumbersAndItsUnit) {
   const Shape shape = tetrahedron();
   const std::vector<Place> places = {{{4, 5, 6}, {1, 1, 1}}};
@@ -308,6 +312,7 @@ TEST_F(ImportedMesh, HasTheColoursOfItsVertices) {
   EXPECT_TRUE(read("b.x3d", x3d(shape, {{}})).attributes.empty());
 }
 
+// Promise: FBX, DAE, 3DS and X3D: "the program ..."
 TEST_F(ImportedMesh, IsRefusedWithoutTrust) {
   vdbtools::trustImporter(false);
   const Shape shape = tetrahedron();
@@ -318,6 +323,7 @@ TEST_F(ImportedMesh, IsRefusedWithoutTrust) {
   EXPECT_TRUE(vdbtools::readMeshTexts(mFolder.write("a.fbx", fbx(shape, {{}}))).empty());
 }
 
+// Promise: FBX, DAE, 3DS and X3D: "the program ..."
 TEST_F(ImportedMesh, BrokenFilesAreRefusedInOneLine) {
   const Shape shape = tetrahedron();
   const std::map<std::string, std::string> files = {

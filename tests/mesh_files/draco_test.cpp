@@ -102,6 +102,7 @@ std::string dracoCode(const Mesh& mesh, int method, int bits) {
   return std::string(buffer.data(), buffer.size());
 }
 
+// Promise: GLB and glTF as targets: "joined ..."
 TEST(Draco, TheSurfaceIsThatOfTheMesh) {
   const Mesh mesh = test_meshes::makeSphere(1, 3);
   for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING})

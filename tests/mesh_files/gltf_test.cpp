@@ -89,6 +89,9 @@ std::vector<Vec3I> trianglesInModel(const tinygltf::Model& model, std::size_t me
   return triangles;
 }
 
+// Promise: PLY, OBJ and STL of a fractal ...
+// Promise of handoff.md: A GLB has what the mesh has, and levels of detail "over the same vertices"; beyond 4 GiB "the
+//   program says so"
 TEST(Glb, HasWhatTheMeshHasForAnotherReader) {
   const Made made;
   const tinygltf::Model model =
@@ -169,6 +172,7 @@ TEST(Glb, ReadsBack) {
   EXPECT_EQ(readMeshTexts(folder.path() / "a.glb"), (std::map<std::string, std::string>{{"julia_alpha", "40"}}));
 }
 
+// Promise: "Where floats would move ..."
 TEST(Glb, ASmallObjectFarAwayKeepsItsShape) {
   const Vec3d away(1e6, -3e5, 2e6);
   Mesh mesh = test_meshes::makeSphere(0.5, 3);
@@ -187,6 +191,7 @@ TEST(Glb, ASmallObjectFarAwayKeepsItsShape) {
   EXPECT_NEAR(to[2], away[1], 1);
 }
 
+// Promise: A GLB has what the mesh has, and levels ...
 TEST(Glb, LevelsOfDetailAreCoarserMeshesOverTheSamePoints) {
   const Made made;
   const MeshWriteOptions options{.format = &meshFormat(".glb"), .columns = kColumns, .levels = {0.5, 0.1}};
@@ -219,6 +224,7 @@ TEST(Glb, LevelsOfDetailAreCoarserMeshesOverTheSamePoints) {
   }
 }
 
+// Promise: A GLB has what the mesh has, and levels ...
 TEST(Glb, IsRefusedWhereItsNumbersDoNotFit) {
   const MeshWriteOptions options{.format = &meshFormat(".glb")};
   // Of 24 bytes a point and 12 a triangle.
@@ -285,6 +291,7 @@ void expectRefused(const Json& json, const std::string& why) {
   }
 }
 
+// Promise: Points whose coordinates are not ...
 TEST(Gltf, PointsThatNoTriangleUsesNeedNotBeFinite) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::string lost = packedNumbers<float>({nan, 0, 0, 0, nan, 1});
@@ -305,6 +312,8 @@ TEST(Gltf, PointsThatNoTriangleUsesNeedNotBeFinite) {
   expectRefused(with(packedNumbers<std::uint8_t>({0, 2, 1, 0, 1, 3, 1, 2, 5, 2, 0, 3})), "point 5");
 }
 
+// Promise of handoff.md: GLB and glTF as targets: "joined where the nodes place them, and welded"; geometry that Draco
+//   or meshoptimizer has compressed "is read"
 TEST(Gltf, NodesPlaceTheirMeshes) {
   Json json = tetrahedron();
   const double half = std::sqrt(0.5);
@@ -322,6 +331,7 @@ TEST(Gltf, NodesPlaceTheirMeshes) {
   EXPECT_NEAR(report.volume, (8 + 1) / 6.0, 1e-12) << "a mirrored mesh keeps its orientation";
 }
 
+// Promise of handoff.md: "A node with instances (`EXT_mesh_gpu_instancing`) counts once for each of them"
 TEST(Gltf, InstancesAreNodes) {
   // Two instances, moved, turned and scaled: the same surface as that of two nodes.
   const float half = std::sqrt(0.5F);
@@ -360,6 +370,7 @@ TEST(Gltf, InstancesAreNodes) {
   }
 }
 
+// Promise: GLB and glTF as targets: "joined ..."
 TEST(Gltf, CornersOfSeamsAreJoined) {
   // Each triangle has points of its own.
   Json json = tetrahedron();
@@ -414,6 +425,7 @@ TEST(Gltf, ColoursMayBeIntegersAndLackInSomeParts) {
   EXPECT_EQ(mesh.attributes[3].name, "alpha");
 }
 
+// Promise: GLB and glTF as targets: "joined ..."
 TEST(Gltf, BuffersLieBesideTheFileOnly) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "sub");
@@ -433,6 +445,7 @@ TEST(Gltf, BuffersLieBesideTheFileOnly) {
   EXPECT_THROW(read("none.bin"), MissingInputError);
 }
 
+// Promise: GLB and glTF as targets: "joined ..."
 TEST(Gltf, WhatCannotBeIsRefused) {
   const auto changed = [](const std::function<void(Json&)>& change) {
     Json json = tetrahedron();
@@ -487,6 +500,7 @@ TEST(Gltf, NestingIsHarmless) {
   EXPECT_THROW(readMesh(folder.write("b.gltf", nested(100'000))), DataError);
 }
 
+// Promise: "A file that is broken, or made ..."
 TEST(Gltf, BrokenFilesAreRefusedOrRead) {
   const Made made;
   const std::vector<std::string> files = {

@@ -65,6 +65,7 @@ const Values& valuesOf(const Mesh& mesh, const std::string& name) {
   return none;
 }
 
+// Promise of controls.md: "`material_NAME` and `group_NAME` are the share of the faces at a point that have this name"
 TEST(MeshAttributes, MaterialsAndGroupsOfObjAreSharesOfFaces) {
   const Mesh mesh = readText("a.obj", "mtllib nowhere.mtl\n" + kTwoSquares);
   EXPECT_EQ(namesOf(mesh),
@@ -87,12 +88,15 @@ TEST(MeshAttributes, MaterialsAndGroupsOfObjAreSharesOfFaces) {
   EXPECT_EQ(valuesOf(again, "group_a"), (Values{2.0F / 3, 2.0F / 3, 2.0F / 3}));
 }
 
+// Promise: "`material_NAME` and `group_NAME` are the share ..."
 TEST(MeshAttributes, ManyGroupsAreNotAttributes) {
   std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   for (int group = 0; group < 1000; ++group) obj += "g part" + std::to_string(group) + "\nf 1 2 3\n";
   EXPECT_EQ(readText("a.obj", obj).attributes.size(), 32U);
 }
 
+// Promise of controls.md: "`red`, `green` and `blue` are the mean of the diffuse colours (`Kd`) of the faces at a
+//   point"
 TEST(MeshAttributes, ColoursOfALibraryAreTheMeanOfFaces) {
   const TemporaryFolder folder;
   folder.write("a b.mtl", "# made by hand\nnewmtl stone\nKa 9 9 9\nKd 0.5 0.25 1\nnewmtl moss:1\nKd 0.25\n");
@@ -115,6 +119,7 @@ TEST(MeshAttributes, ColoursOfALibraryAreTheMeanOfFaces) {
   }
 }
 
+// Promise: Attributes and pictures have ...
 TEST(MeshAttributes, AreTheNumbersOfPlyVertices) {
   const Mesh mesh = readText(
       "a.ply", kPlyStart +
@@ -161,6 +166,8 @@ TEST(MeshAttributes, AreTheSameInBinaryPlyOfEitherEnd) {
   }
 }
 
+// Promise: Attributes and pictures have ...
+// Promise: "`luminance` is 0.2126 red ..."
 TEST(MeshAttributes, AreTheColoursOfObjPoints) {
   const Mesh mesh =
       readText("a.obj", "v 0 0 0\nv 1 0 0 0.5 0.25 0\nv 0 1 0 1.0\nv 1 1 0 0 1 0.125\nv 5 5 5\nf 1 2 3\n");
@@ -181,6 +188,7 @@ Vec2s uvAt(const Mesh& mesh, std::size_t triangle, std::uint32_t point) {
 }
 
 // Two squares share an edge, whose points have other texture coordinates in each: a seam.
+// Promise: A picture is read "through ..."
 TEST(MeshAttributes, CornersOfObjKeepTheirSideOfASeam) {
   const Mesh mesh = readText("a.obj",
                              "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
@@ -228,6 +236,7 @@ TEST(MeshAttributes, WrongTextureCoordinatesOfObjAreRefused) {
   expectNone(readText("a.obj", points + "f 1/1 2/2 3/3\n"));
 }
 
+// Promise: A picture is read "through ..."
 TEST(MeshAttributes, TextureCoordinatesOfPlyVerticesGoToTheCorners) {
   for (const auto& [u, v] : {std::pair("s", "t"), std::pair("u", "v"), std::pair("texture_u", "texture_v")}) {
     const Mesh mesh = readText("a.ply", kPlyStart + "property float z\nproperty float " + v +
@@ -243,6 +252,7 @@ TEST(MeshAttributes, TextureCoordinatesOfPlyVerticesGoToTheCorners) {
             (std::vector<std::string>{"u"}));
 }
 
+// Promise: A picture is read "through ..."
 TEST(MeshAttributes, TextureCoordinatesOfPlyFacesAreTheCorners) {
   const std::string start =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"

@@ -174,6 +174,7 @@ std::string errorOf(const std::string& name, std::string_view contents) {
     EXPECT_NE(text.find(words), std::string::npos) << "was told " << text; \
   } while (false)
 
+// Promise: A mesh gives the same fractal ...
 TEST(ReadMesh, AllFormatsHoldTheSameTriangles) {
   const TemporaryFolder folder;
   const Mesh exact = transformed(makeSphere(1, 2), 0.1, Vec3d(1e5, 1.0 / 3, -7));
@@ -367,6 +368,7 @@ TEST(ReadMesh, NonManifoldFacesKeepTheirPoints) {
   EXPECT_EQ(reportMesh(mesh).nonManifoldEdges, 1U);
 }
 
+// Promise: The library "never prints, and it never exits"
 TEST(ReadMesh, PrintsNothing) {
   const TemporaryFolder folder;
   testing::internal::CaptureStderr();
@@ -455,6 +457,7 @@ TEST(ReadMesh, RefusesWhatItCannotRead) {
                  "no triangle");
 }
 
+// Promise: "A file that is broken, or made ..."
 TEST(ReadMesh, RefusesAnyTruncation) {
   const Mesh cube = makeCube();
   const std::vector<std::pair<std::string, std::string>> files = {
@@ -476,6 +479,7 @@ TEST(ReadMesh, RefusesAnyTruncation) {
   EXPECT_REFUSED("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv 1 2", "number");
 }
 
+// Promise: "A file that is broken, or made ..."
 TEST(ReadMesh, RefusesCountsThatCannotBe) {
   EXPECT_REFUSED("a.off", "OFF\n4000000000 1 0\n0 0 0\n", "4000000000");
   EXPECT_REFUSED("a.off", "OFF\n-1 1 0\n0 0 0\n", "-1");
@@ -569,6 +573,7 @@ Mesh withLostPoints(const Mesh& mesh, std::size_t& lost) {
   return result;
 }
 
+// Promise: Points whose coordinates are not ...
 TEST(ReadMesh, PointsThatNoFaceUsesNeedNotBeFinite) {
   const Mesh clean = makeSphere(1, 2);
   std::size_t lost = 0;

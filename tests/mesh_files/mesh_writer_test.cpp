@@ -43,6 +43,7 @@ class MeshWriter : public testing::Test {
   const std::filesystem::path mFolder = mTemporary.path();
 };
 
+// Promise: PLY, OBJ and STL of a fractal ...
 TEST_F(MeshWriter, EveryFormatReadsBack) {
   Mesh mesh = test_meshes::makeSphere(1.5, 2, Vec3d(0.25, -3, 8));
   for (const bool normals : {false, true}) {
@@ -63,6 +64,7 @@ TEST_F(MeshWriter, EveryFormatReadsBack) {
   }
 }
 
+// Promise: "Where floats would move ..."
 TEST_F(MeshWriter, DoublesWhereFloatsWouldMoveVertices) {
   // Voxels of 1/100 at 10^6: floats are 1/16 apart there.
   const Mesh mesh = test_meshes::makeSphere(1, 2, Vec3d(1e6, 0, 0));
@@ -196,6 +198,7 @@ std::string streamedBytes(const Mesh& mesh, const MeshWriteOptions& options, boo
   return seekable ? file.str() : pipe.bytes;
 }
 
+// Promise: A mesh that is written while ...
 TEST_F(MeshStream, PiecesGiveTheBytesOfTheWhole) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     std::mt19937 random(seed);
@@ -279,6 +282,7 @@ TEST_F(MeshStream, AFileReadsBack) {
   }
 }
 
+// Promise: "Where floats would move ..."
 TEST_F(MeshStream, TheBoxDecidesWhetherFloatsWillDo) {
   const Mesh mesh = test_meshes::makeCube();
   const auto sizeIn = [&](double reach) {
@@ -439,6 +443,7 @@ TEST_F(MeshStream, TrianglesKeepToTheWindow) {
   }
 }
 
+// Promise of usage.md: A mesh alone "takes the memory of a few layers of the lattice only"
 TEST_F(MeshStream, MemoryFollowsTheWindow) {
   constexpr std::size_t kPiece = 1000, kPieces = 2000;
   const std::vector<Vec3d> points(kPiece);
@@ -512,6 +517,7 @@ class Vast {
   void* mPlace;
 };
 
+// Promise: "`merge` refuses a mesh that does ..."
 TEST_F(MeshStream, CountsThatDoNotFitAreRefusedAtOnce) {
   const Vast<Vec3d> points(std::size_t{1} << 32);
   const Vast<openvdb::Vec3I> triangles(std::size_t{1} << 32);
@@ -527,6 +533,7 @@ TEST_F(MeshStream, CountsThatDoNotFitAreRefusedAtOnce) {
   EXPECT_THROW(writer.addTriangles(triangles.span(), 0), std::invalid_argument);
 }
 
+// Promise: "`merge` refuses a mesh that does ..."
 TEST_F(MeshStream, WhatAFormatCannotCountIsKnownBeforeAMeshIsMade) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
   for (const FileFormat* const format : {&meshFormat(".ply"), &meshFormat(".obj"), &meshFormat(".stl")}) {
@@ -539,6 +546,7 @@ TEST_F(MeshStream, WhatAFormatCannotCountIsKnownBeforeAMeshIsMade) {
   }
 }
 
+// Promise: "`merge` refuses a mesh that does ..."
 TEST_F(MeshStream, AGlbIsRefusedFromTheByteOnThatItCannotCount) {
   Mesh mesh = test_meshes::makeSphere(1, 1);
   for (const bool normals : {false, true}) {

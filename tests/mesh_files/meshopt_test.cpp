@@ -120,6 +120,7 @@ void expectSame(const Mesh& read, const Mesh& mesh, double within) {
   for (std::size_t i = 0; i < mesh.points.size(); ++i) EXPECT_LE((read.points[i] - mesh.points[i]).length(), within);
 }
 
+// Promise: GLB and glTF as targets: "joined ..."
 TEST(Meshopt, PointsAndTrianglesAreThoseOfTheMesh) {
   const Mesh mesh = test_meshes::makeSphere(1, 3);
   Glb glb = plain(mesh);

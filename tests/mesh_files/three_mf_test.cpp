@@ -74,6 +74,7 @@ class ThreeMf : public testing::Test {
   TemporaryFolder mFolder;
 };
 
+// Promise of targets.md: 3MF as a target: "the items of the build with their components and transforms", in its unit
 TEST_F(ThreeMf, WhatIsWrittenIsReadBack) {
   const Mesh mesh = test_meshes::transformed(test_meshes::makeSphere(1, 6), 0.1, Vec3d(10, 1.0 / 3, -7));
   const std::string bytes = vdbtools::encode3mf(mesh, {{"a", "<b> & \"c\""}});
@@ -86,6 +87,7 @@ TEST_F(ThreeMf, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(vdbtools::unitOf3mf("own.3mf", bytes), "mm");
 }
 
+// Promise: 3MF as a target: "the items ..."
 TEST_F(ThreeMf, KeepsTheNumbersAndSaysTheUnit) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"unit=\"millimeter\"", "mm"}, {"", "mm"},           {"unit=\"centimeter\"", "cm"}, {"unit=\"inch\"", "in"},
@@ -98,6 +100,7 @@ TEST_F(ThreeMf, KeepsTheNumbersAndSaysTheUnit) {
   }
 }
 
+// Promise: 3MF as a target: "the items ..."
 TEST_F(ThreeMf, PlacesComponentsAndItems) {
   // Twice the size, then moved along x; the item turns x to y, y to -x and moves along z.
   const Mesh mesh = read(
@@ -115,6 +118,7 @@ TEST_F(ThreeMf, PlacesComponentsAndItems) {
   EXPECT_NEAR(report.volume, (1.0 + 8 + 1) / 6, 1e-12) << "all are oriented outward";
 }
 
+// Promise: 3MF as a target: "the items ..."
 TEST_F(ThreeMf, ReadsWhatIsBuiltAndNoSupports) {
   const std::string three = object(1, k3mfTetrahedron) + object(2, k3mfTetrahedron, "type=\"support\"") +
                             object(3, k3mfTetrahedron) + object(4, k3mfTetrahedron, "type=\"surface\"");

@@ -56,6 +56,7 @@ std::vector<double> fieldAt(const Scene& scene, const std::vector<Vec3d>& world)
   return field;
 }
 
+// Promise: "a vertex that is brought ..."
 TEST_F(PosedScene, ATurnedTargetHasTheSameSetBesideItsSurface) {
   const Mesh& rest = *restingTube();
   const Mat3d turn = openvdb::math::rotation<Mat3d>(Vec3d(1, 2, 0.5).unit(), 0.9);
@@ -83,6 +84,7 @@ TEST_F(PosedScene, ATurnedTargetHasTheSameSetBesideItsSurface) {
   EXPECT_LE(differ, 20);
 }
 
+// Promise of motion.md: "a vertex that is brought back lies on the surface at rest within the tolerance of its search"
 TEST_F(PosedScene, VerticesBroughtBackLieOnTheSurfaceAtRest) {
   const Mesh pose = moving_tubes::bent(*restingTube(), 90);
   const Scene atRest = still(), inPose = posed(pose);
@@ -108,6 +110,7 @@ TEST_F(PosedScene, VerticesBroughtBackLieOnTheSurfaceAtRest) {
   EXPECT_GT(static_cast<double>(on), 0.98 * static_cast<double>(back.size()));
 }
 
+// Promise: "no node is skipped that would ..."
 TEST_F(PosedScene, ProofsHoldAtEveryPointOfTheirBalls) {
   const Mesh pose = moving_tubes::bent(*restingTube(), 150, 1.6, 2.6);
   const Scene inPose = posed(pose);
@@ -141,6 +144,7 @@ TEST_F(PosedScene, ProofsHoldAtEveryPointOfTheirBalls) {
   EXPECT_GT(decided[2], 1000);
 }
 
+// Promise: "no node is skipped that would ..."
 TEST_F(PosedScene, SkippedIsExhaustiveWhereTheSurfaceFoldsAndCoversItself) {
   const Mesh& rest = *restingTube();
   // An end within the other half, and a sharp fold.

@@ -53,6 +53,7 @@ double mostOff(const AffineMap& map, MotionDepth depth = MotionDepth::Stretched)
   return most;
 }
 
+// Promise of motion.md: "If the whole target is turned, moved, scaled or sheared, the fractal is the same one"
 TEST(SurfaceMotion, RigidMotionsSimilaritiesAndAffineMapsAreReproduced) {
   EXPECT_LT(mostOff({}), 1e-12);
   for (const double degrees : {1., 10., 90., 180.})

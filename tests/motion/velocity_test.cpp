@@ -55,6 +55,8 @@ Vec3d turnedBy(double angle, const Vec3d& axis, const Vec3d& x) {
   return x * std::cos(angle) + axis.cross(x) * std::sin(angle) + axis * axis.dot(x) * (1 - std::cos(angle));
 }
 
+// Promise of attributes.md: "The velocity of a point is the way that it goes from the frame before to the frame after,
+//   by the time between them"
 TEST(Velocity, OfATranslationIsTheSameEverywhere) {
   const Vec3d step(0.3, -0.2, 0.7);
   const auto by = [&](double frames) { return [=](const Vec3d& x) { return Vec3d(x + frames * step); }; };
@@ -66,6 +68,7 @@ TEST(Velocity, OfATranslationIsTheSameEverywhere) {
   }
 }
 
+// Promise: "The velocity of a point ..."
 TEST(Velocity, OfARotationIsThatOfTheAxisToSecondOrder) {
   const Mesh mesh = test_meshes::makeSphere(1, 2);
   const Vec3d axis = Vec3d(1, 2, -1).unit();
@@ -81,6 +84,7 @@ TEST(Velocity, OfARotationIsThatOfTheAxisToSecondOrder) {
   EXPECT_NEAR(errorOf(0.2) / errorOf(0.1), 4, 0.05);
 }
 
+// Promise: "The velocity of a point ..."
 TEST(Velocity, OfAStillSurfaceIsZero) {
   const Mesh mesh = test_meshes::makeSphere(1, 2);
   const auto still = [](const Vec3d& x) { return x; };
@@ -98,6 +102,7 @@ TEST(Velocity, OfASurfaceThatReturnsIsZero) {
             0);
 }
 
+// Promise: "The velocity of a point ..."
 TEST(Velocity, OfGrowthFollowsTheDepth) {
   const Mesh mesh = test_meshes::makeSphere(1, 2);
   const double rate = 0.1 / kStep;

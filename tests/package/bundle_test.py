@@ -80,6 +80,8 @@ class Bundle(unittest.TestCase):
             self.skipTest(f"this system lets nobody make a root of his own: {tried.stderr.strip() if tried else 'there is no unshare'}")
         return words
 
+    # Promise of bundle.md: The bundle runs in a root with the C library alone, with "the bytes of VDB, PLY, PNG and EXR" of the
+    #   build
     def test_the_bytes_are_those_of_the_build(self):
         enter = self.enter()
         here = self.folder / "here"
@@ -98,6 +100,7 @@ class Bundle(unittest.TestCase):
             with self.subTest(file=name):
                 self.assertTrue((here / name).read_bytes() == (self.work / name).read_bytes(), f"{name} has other bytes")
 
+    # Promise: The bundle runs in a root ...
     def test_the_page_answers(self):
         enter = self.enter()
         words = harness.quiet(("explore", "s.obj", "--resolution", "24", "--sdf-resolution", "24"))
@@ -115,6 +118,7 @@ class Bundle(unittest.TestCase):
             server.kill()
             server.communicate()
 
+    # Promise: The bundle runs in a root ...
     def test_what_is_in_it(self):
         for name in ("bin/juliavdb", "lib/juliavdb/libvdbtools.so", "lib/juliavdb/libstdc++.so.6", "lib/juliavdb/libgcc_s.so.1",
                      "share/juliavdb/blender/juliavdb_addon.zip", "share/juliavdb/houdini/toolbar/juliavdb.shelf",
@@ -171,6 +175,7 @@ class Bundle(unittest.TestCase):
         self.assertGreaterEqual(least, max(asked))
         self.assertLessEqual(least, tuple(map(int, os.confstr("CS_GNU_LIBC_VERSION").split()[1].split(".")[:2])))
 
+    # Promise: The bundle runs in a root ...
     def test_the_module_takes_nothing_of_the_machine(self):
         packages = self.unpacked / "lib/python3/dist-packages"
         if not packages.exists():
@@ -187,6 +192,7 @@ class Bundle(unittest.TestCase):
         for library in libraries.split():
             self.assertTrue(library.startswith(str(self.unpacked)), library)
 
+    # Promise of bundle.md: "The same build gives the same bytes"; "if it cannot be written, one line says why"
     def test_the_same_build_gives_the_same_bytes(self):
         for name in ("one", "two"):
             (self.folder / name).mkdir()
@@ -195,6 +201,7 @@ class Bundle(unittest.TestCase):
         one, two = ((self.folder / name / "b.tar.xz").read_bytes() for name in ("one", "two"))
         self.assertTrue(one == two)
 
+    # Promise: "The same build gives the same ..."
     def test_what_cannot_be_written(self):
         (self.folder / "folder.tar.xz").mkdir()
         for file, code, mention in ((self.folder / "nowhere/b.tar.xz", 73, "nowhere"), (self.folder / "b.zip", 2, "b.zip"),
@@ -206,6 +213,7 @@ class Bundle(unittest.TestCase):
         self.assertEqual(done.returncode, 66)
         self.assertFalse((self.folder / "b.tar.xz").exists())
 
+    # Promise: "The same build gives the same ..."
     def test_a_full_disk_leaves_nothing(self):
         if os.geteuid() != 0:
             self.skipTest("only root mounts a small disk")

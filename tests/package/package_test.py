@@ -109,6 +109,7 @@ class Package(unittest.TestCase):
                 runpath = run("readelf", "-d", file).stdout
                 self.assertNotIn(os.environ["JULIAVDB_BUILD"], runpath)
 
+    # Promise of release.md#6-the-package: The package installs, and its program and module run
     def test_its_dependencies_can_be_installed(self):
         if not shutil.which("apt-get"):
             self.skipTest("there is no apt-get")
@@ -116,6 +117,7 @@ class Package(unittest.TestCase):
         self.assertEqual(simulated.returncode, 0, simulated.stdout + simulated.stderr)
         self.assertIn("Inst juliavdb ", simulated.stdout)
 
+    # Promise: The package installs, and its program ...
     def test_the_unpacked_program_works(self):
         said = self.program("--version")
         self.assertEqual(said.stdout, f"juliavdb {os.environ['JULIAVDB_VERSION']}\n", said.stderr)
@@ -127,6 +129,7 @@ class Package(unittest.TestCase):
         self.assertEqual(picture.returncode, 0, picture.stderr)
         self.assertTrue((self.folder / "f.exr").stat().st_size > 0)
 
+    # Promise: The package installs, and its program ...
     def test_the_unpacked_module_works(self):
         packages = self.root / "usr/lib/python3/dist-packages"
         if not (packages / "juliavdb").exists():

@@ -89,12 +89,14 @@ class Machine(unittest.TestCase):
         for mention in mentions:
             self.assertIn(mention, lines[0])
 
+    # Promise of platforms.md: "call apt only if a package is missing"
     def test_apt_is_never_called_where_all_is_there(self):
         for variables in ({}, {"USER_IS": "1000"}):
             done, calls = self.quickstart(**variables)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertEqual([call.split()[0] for call in calls], ["cmake", "cmake", "juliavdb", "juliavdb"])
 
+    # Promise: "call apt only if a package is missing"
     def test_what_is_missing_is_installed_and_nothing_else(self):
         done, calls = self.quickstart(MISSING="ninja-build libzip-dev")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
@@ -102,6 +104,8 @@ class Machine(unittest.TestCase):
         self.assertRegex(calls[1], r" install .* ninja-build libzip-dev$")
         self.assertEqual(sum("apt-get" in call for call in calls), 2)
 
+    # Promise of platforms.md: A package "that only tests need, is left out and named"; "`MESH=FILE ./quickstart` takes another
+    #   mesh"
     def test_a_package_that_this_release_lacks_is_named_once(self):
         self.assertTrue(OPTIONAL)
         wanted = '"${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"'
@@ -117,11 +121,13 @@ class Machine(unittest.TestCase):
         self.assertNotIn(OPTIONAL[0], done.stdout.splitlines()[-1])
         self.assertIn(OPTIONAL[1], done.stdout.splitlines()[-1])
 
+    # Promise: A failure "ends in one line ..."
     def test_a_package_that_must_be_there_is_never_left_out(self):
         done, calls = self.quickstart(MISSING="libopenvdb-dev", INSTALL_SAYS="E: Unable to locate package libopenvdb-dev")
         self.assert_one_line(done, "E: Unable to locate package libopenvdb-dev", "docs/platforms.md")
         self.assertFalse([call for call in calls if call.startswith("cmake")])
 
+    # Promise of platforms.md: A failure "ends in one line that says what to do, with apt's own last error where apt failed"
     def test_failures_of_apt_end_in_one_line_with_its_own_words_and_a_way_out(self):
         # As apt 2.6 of Debian 12 and apt 3.0 of Debian 13 say it, and the exit code.
         network = "E: Failed to fetch http://deb.debian.org/x.deb  Temporary failure resolving 'deb.debian.org'"
@@ -140,6 +146,7 @@ class Machine(unittest.TestCase):
                 self.assertEqual(done.returncode, code)
                 self.assertFalse([call for call in calls if call.startswith("cmake")])
 
+    # Promise: A failure "ends in one line ..."
     def test_a_list_that_could_not_be_fetched_explains_a_package_that_is_not_known(self):
         done, _ = self.quickstart(MISSING="ninja-build", INSTALL_SAYS="E: Unable to locate package ninja-build",
                                   UPDATE_SAYS="W: Failed to fetch http://d/InRelease  Could not connect to d:80")
@@ -148,6 +155,7 @@ class Machine(unittest.TestCase):
         done, _ = self.quickstart(MISSING="ninja-build", UPDATE_SAYS="W: Failed to fetch http://other/InRelease  Could not connect")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 
+    # Promise: A failure "ends in one line ..."
     def test_who_may_not_install_is_told_what_root_would_run(self):
         done, calls = self.quickstart(MISSING="ninja-build libzip-dev", USER_IS="1000")
         self.assert_one_line(done, "sudo is not here", "apt-get install ninja-build libzip-dev")
@@ -161,6 +169,8 @@ class Machine(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertRegex(calls[1], r"^apt-get .* install .* ninja-build$")
 
+    # Promise of platforms.md: `./quickstart` "prints the names of the packages, which were looked up, and goes on with what is
+    #   there"
     def test_a_system_without_dpkg_is_told_the_names_and_goes_on(self):
         for name in ("apt-get", "apt-cache", "dpkg-query"):
             (self.tools / name).unlink()
@@ -177,6 +187,7 @@ class Machine(unittest.TestCase):
         self.assertEqual(self.quickstart()[0].returncode, 0)
         self.assert_one_line(self.quickstart(MISSING="ninja-build")[0], "ninja-build", "no apt-get")
 
+    # Promise: A failure "ends in one line ..."
     def test_a_tool_that_is_missing_or_too_old(self):
         oldest = re.search(r"cmake_minimum_required\(VERSION (\S+)\)", (ROOT / "CMakeLists.txt").read_text()).group(1)
         for version in ("3.9.6", "2.8.12", "3.21.7"):
@@ -188,6 +199,7 @@ class Machine(unittest.TestCase):
         (self.tools / "cmake").unlink()
         self.assert_one_line(self.quickstart()[0], "cmake", oldest, "https://cmake.org/download")
 
+    # Promise: A failure "ends in one line ..."
     def test_an_error_of_configuring_is_one_line(self):
         done, calls = self.quickstart(CMAKE_ENDS="1", CMAKE_SAYS="-- Found Git\nCMake Error at cmake/X.cmake:14 (message):\n  X 10 or later is "
                                       "needed, and was\n  not found (Debian's package libx)\nCall Stack (most recent call first):\n  cmake/X.cmake:31\n\n"
@@ -196,12 +208,14 @@ class Machine(unittest.TestCase):
         self.assertNotIn("another", done.stderr)
         self.assertEqual(len(calls), 1)
 
+    # Promise: "A version below the oldest ..."
     def test_parts_that_are_left_out_are_named(self):
         done, _ = self.quickstart(CMAKE_SAYS="-- Found Git\n-- Left out: 3MF files: libzip was not found\n-- Configuring done")
         self.assertEqual(done.returncode, 0)
         self.assertIn("Left out: 3MF files: libzip was not found\n", done.stdout)
         self.assertNotIn("Git", done.stdout)
 
+    # Promise: A failure "ends in one line ..."
     def test_a_full_disk_during_a_build(self):
         for variables in ({"BUILD_ENDS": "1"}, {"CMAKE_ENDS": "1", "CMAKE_SAYS": "CMake Error: Problem"}):
             done, _ = self.quickstart(FREE="12", **variables)
@@ -210,6 +224,7 @@ class Machine(unittest.TestCase):
         # Another failure is not blamed on it.
         self.assertNotIn("disk", self.quickstart(BUILD_ENDS="1")[0].stderr)
 
+    # Promise: A package "that only tests ..."
     def test_a_mesh_that_is_not_there(self):
         done, calls = self.quickstart(MESH="/nowhere.obj")
         self.assert_one_line(done, "/nowhere.obj", "MESH=FILE")
@@ -226,6 +241,8 @@ class Cmake(unittest.TestCase):
             done = subprocess.run([os.environ.get("JULIAVDB_CMAKE", "cmake"), "-P", script], capture_output=True, text=True, check=False)
         return done.returncode, " ".join(done.stderr.split()), done.stdout
 
+    # Promise of platforms.md: "A version below the oldest ends configuring with a line that names both and the package";
+    #   "Configuring and `./quickstart` name each part that is left out, with the reason"
     def test_a_library_that_is_missing_or_too_old(self):
         require = 'include("CMAKE/JuliaVDBDependency.cmake")\njuliavdb_require(Lib "{}" "{}" "{}" lib-dev)\n'
         for there, version, oldest in (("TRUE", "10.0", "10.0"), ("1", "10.0.1", "10.0"), ("ON", "13.1", "9"), ("TRUE", "2.10", "2.9"), ("TRUE", "", "2"), ("1", "", "")):
@@ -238,6 +255,7 @@ class Cmake(unittest.TestCase):
             self.assertNotEqual(code, 0)
             self.assertIn(f"{needed} is needed, and was not found (Debian's package lib-dev)", said)
 
+    # Promise: "A version below the oldest ..."
     def test_a_compiler_that_is_too_old(self):
         check = ('set(CMAKE_CXX_COMPILER /usr/bin/c++)\nset(CMAKE_CXX_COMPILER_ID {})\nset(CMAKE_CXX_COMPILER_VERSION {})\n'
                  'include("CMAKE/JuliaVDBCompiler.cmake")\n')
@@ -249,6 +267,7 @@ class Cmake(unittest.TestCase):
             self.assertIn(f"/usr/bin/c++ is {name} {version}", said)
             self.assertIn("Debian 12", said)
 
+    # Promise: "A version below the oldest ..."
     def test_parts_keep_their_reasons(self):
         text = ('include("CMAKE/JuliaVDBParts.cmake")\njuliavdb_part("A" ON "never")\njuliavdb_part("B" "" "b; with a mark")\n'
                 'juliavdb_part("C" FALSE "c")\njuliavdb_name_parts()\n')

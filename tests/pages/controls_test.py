@@ -24,6 +24,8 @@ def small(block):
 
 
 class Pages(unittest.TestCase):
+    # Promise: Half frames: "they are one ..."
+    # Promise: The commands of the README ...
     def test_every_command_runs(self):
         for page in ("controls", "textures", "attributes", "points", "printing", "pictures", "handoff", "unreal", "coming-from",
                      "motion"):

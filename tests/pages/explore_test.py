@@ -17,6 +17,7 @@ BUNNY = "/usr/share/glmark2/models/bunny.obj"
 
 
 class ExplorePages(unittest.TestCase):
+    # Promise: The commands of the README ...
     def test_every_command_serves_or_exports(self):
         served = exported = 0
         for page in ("README.md", "docs/explore.md", "docs/usage.md"):

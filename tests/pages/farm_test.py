@@ -51,6 +51,8 @@ class Page(unittest.TestCase):
     def numbers(self, plan, option=""):
         return run(f"juliavdb status {plan} {option}", self.folder).stdout
 
+    # Promise: The commands of the README ...
+    # Promise: What is merged "has the same ..."
     @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
     def test_every_command_runs(self):
         node, why = None, slurm_node.why_not()
@@ -75,6 +77,7 @@ class Page(unittest.TestCase):
         if why:
             self.skipTest(f"all but the commands of Slurm were run: {why}")
 
+    # Promise: Slurm: the script, the merge ...
     def test_the_script_is_the_one_that_the_program_writes(self):
         shown, = re.findall(r"```\n(#!/bin/sh\n.*?)```", self.text, re.S)
         self.run_block("".join(block for block in self.blocks if "cp " in block))

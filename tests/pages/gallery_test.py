@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Promise: The commands of the README ...
 """The commands of docs/gallery.md run, at a small size, and make the pictures that it shows; those are there."""
 import os
 import pathlib
@@ -29,6 +30,7 @@ class Gallery(unittest.TestCase):
     def test_every_picture_is_there_and_no_other(self):
         self.assertEqual(sorted(PICTURES), sorted(p.name for p in (ROOT / "docs/images/gallery").iterdir()))
 
+    # Promise: Links, citations and names ...
     def test_the_commands_make_the_pictures(self):
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as models:
             bunny = put_bunny(models)
@@ -40,6 +42,7 @@ class Gallery(unittest.TestCase):
             for picture in pathlib.Path(folder).iterdir():
                 self.assertEqual(picture.read_bytes()[:4], b"\x89PNG", picture)
 
+    # Promise: Links, citations and names ...
     def test_stored_pictures_are_what_their_commands_make(self):
         """Pixel for pixel; of some figures, and before a release docs/check-pictures compares all. Another texture, as when a
         default has changed, is found."""

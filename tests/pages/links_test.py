@@ -96,15 +96,19 @@ class Pages(unittest.TestCase):
     def test_pictures_hold_no_text(self):
         self.assertEqual(pictures_with_text(ROOT), [])
 
+    # Promise of gallery.md: Links, citations and names of files on the pages lead somewhere; the stored pictures are, pixel for
+    #   pixel, what their commands make (some are compared by a test, all by `docs/check-pictures`)
     def test_links_lead_somewhere(self):
         self.assertEqual(broken_links(ROOT), [])
 
+    # Promise: Links, citations and names ...
     def test_every_cited_paper_is_listed(self):
         self.assertEqual(unlisted_citations(ROOT), [])
 
     def test_every_cited_section_of_the_design_exists(self):
         self.assertEqual(unknown_sections(ROOT), [])
 
+    # Promise: Links, citations and names ...
     def test_what_the_architecture_names_exists(self):
         self.assertEqual(missing_files(ROOT), [])
 

@@ -11,6 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 class MapsPage(unittest.TestCase):
     maxDiff = None
 
+    # Promise of maps.md: Every map has the options, defaults and words of the page
     def test_the_page_is_that_of_the_registry(self):
         page = subprocess.run([os.environ["JULIAVDB"], "maps", "--markdown"], capture_output=True, text=True, check=True)
         self.assertEqual((ROOT / "docs" / "maps.md").read_text(), page.stdout,

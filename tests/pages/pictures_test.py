@@ -24,6 +24,7 @@ def put_copy(folder):
 
 
 class Pictures(unittest.TestCase):
+    # Promise: Links, citations and names ...
     def test_every_picture_has_a_script_or_a_reason(self):
         done = check("--list")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -42,6 +43,7 @@ class Pictures(unittest.TestCase):
                 "docs/images/gallery/other.png: no script makes it", "docs/images/more.png: no script makes it",
                 f"{THUMBNAILS}/texture-moss.jpg: no script makes it"])
 
+    # Promise: Links, citations and names ...
     def test_stored_pictures_are_what_their_scripts_make(self):
         """Some that cost little. Another picture in the place of one is found."""
         with tempfile.TemporaryDirectory() as folder:

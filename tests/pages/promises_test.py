@@ -1,115 +1,117 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/promises.md names tests that exist, and words that still stand on their pages."""
-import ast
-import functools
+"""The comments that say which promises a test holds have their form, stand at tests, and quote what stands on the pages."""
+import json
 import pathlib
-import re
+import subprocess
+import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-PAGE = ROOT / "docs" / "promises.md"
-BUILD_FILES = ("tests/CMakeLists.txt", "tests/fuzz/CMakeLists.txt", "tests/sanitized/CMakeLists.txt")
-CASE = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+), (\w+)\)", re.M)
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "docs"))
+import promises
+
+OF = "Promise" + " of"  # in one piece, the mistakes below would be those of this file
 
 
-def rows(text):
-    """@return (promise, page, tests) of every row, without the heads of the tables"""
-    lines = [line for line in text.splitlines() if line.startswith("|")]
-    cells = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
-    return [row for row in cells if row != ["promise", "page", "test"] and not set("".join(row)) <= set("-: ")]
-
-
-def plain(text):
-    """Without the marks of Markdown and the breaks of lines."""
-    return re.sub(r"\s+", " ", re.sub(r"[*`]", "", text.replace("\\|", "|"))).casefold()
-
-
-@functools.cache
-def registered():
-    """What ctest runs: the cases of each name, from the files of the build. Without cases, a name stands for itself."""
-    found = {}
-    for name in BUILD_FILES:
-        folder, text = (ROOT / name).parent, (ROOT / name).read_text()
-        for program, sources in re.findall(r"juliavdb_tests\((\w+).*?SOURCES(.*?)LIBRARIES", text, re.S):
-            found[program] = {f"{suite}.{case}" for source in sources.split()
-                              for suite, case in CASE.findall((folder / source).read_text())}
-        for names, prefix, path in re.findall(r"foreach\(script ([^)]*)\)\s*juliavdb_script\((\w+)\$\{script\} ([^)]*)\)",
-                                              text):
-            for script in names.split():
-                found[prefix + script] = functions(folder / path.replace("${script}", script))
-        for test, path in re.findall(r"juliavdb_script\((\w+) (\S+?)[ )]", text):
-            found[test] = functions(folder / path)
-        for test, command in re.findall(r"add_test\(NAME (\w+)\s+COMMAND ([^)]*)\)", text):
-            script = re.search(r"\$\{CMAKE_CURRENT_SOURCE_DIR\}/(\S+\.py)", command)
-            found[test] = functions(folder / script.group(1)) if script else set()
-    return found
-
-
-def functions(path):
-    return {node.name for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.FunctionDef)
-            if node.name.startswith("test_")}
-
-
-def mistakes(text):
-    """Of a page of promises, as lines that say what is wrong."""
-    found = []
-    for row in rows(text):
-        if len(row) != 3:
-            found.append(f"not three cells: {row}")
-            continue
-        promise, page, tests = row
-        link = re.fullmatch(r"\[[^]]+\]\(([^)#]+)(#[^)]*)?\)", page)
-        path = PAGE.parent / link.group(1) if link else None
-        if not path or not path.is_file():
-            found.append(f"no such page: {page}")
-        else:
-            words = plain(path.read_text())
-            found += [f"{page} does not say: {quote}" for quote in re.findall(r'"([^"]+)"', promise)
-                      if plain(quote) not in words]
-        for test in tests.split("; "):
-            parts = re.fullmatch(r"`(\w+)`(?: (.+))?", test)
-            if not parts or parts.group(1) not in registered():
-                found.append(f"no such test: {test}")
-                continue
-            name, cases = parts.groups()
-            found += [f"no such case of {name}: {case}" for case in (cases or "").split(", ")
-                      if case and case not in registered()[name]]
-    return found
-
-
-class PromisesPage(unittest.TestCase):
+class Promises(unittest.TestCase):
     maxDiff = None
 
-    def test_every_row_has_tests_and_words_that_exist(self):
-        text = PAGE.read_text()
-        self.assertGreater(len(rows(text)), 80)
-        self.assertEqual(mistakes(text), [])
+    @classmethod
+    def setUpClass(cls):
+        cls.found, cls.wrong = promises.gather(promises.files())
+
+    def test_nothing_is_wrong(self):
+        self.assertEqual(self.wrong, [])
+
+    def test_none_got_lost(self):
+        counts = len(self.found), sum(len(cases) for _, tests in self.found.values() for cases in tests.values())
+        for count, least in zip(counts, (414, 1365)):
+            self.assertGreaterEqual(count, least, "if promises or their tests are removed on purpose, lower this number")
 
     def test_every_page_is_named(self):
-        text = PAGE.read_text()
-        pages = [path.name for path in PAGE.parent.glob("*.md") if path != PAGE and path.name != "references.md"]
-        self.assertEqual([name for name in pages if f"]({name}" not in text], [])
+        page = ROOT / "docs/promises.md"
+        named = {page for page, _ in self.found}
+        pages = [path.name for path in page.parent.glob("*.md") if path != page and path.name != "references.md"]
+        self.assertEqual([name for name in pages if name not in named and f"]({name}" not in page.read_text()], [])
+
+    def test_the_tables_and_the_json_have_all_of_them(self):
+        tables, data = (subprocess.run([ROOT / "docs/make-promises", *words], stdout=subprocess.PIPE, text=True,
+                                       check=True).stdout for words in ((), ("--json",)))
+        self.assertEqual({(row["page"], row["promise"]): row["tests"] for row in json.loads(data)},
+                         {key: tests for key, (_, tests) in self.found.items()})
+        pages = {page for page, _ in self.found}
+        self.assertEqual(sum(line.endswith(" |") for line in tables.splitlines()), len(pages) + len(self.found))
+        for page in pages:
+            self.assertEqual(tables.count(f"### {page}\n"), 1, page)
 
 
 class TheChecksThemselves(unittest.TestCase):
+    FILES = {
+        "tests/search/spaced_points_test.cpp": f"""// Any comment.
+// {OF} points.md: "Exactly N points" are
+//   made
+TEST(SpacedPoints, AnyName) {{
+""",
+        "tests/cli/test_makers.py": f'''# The head of a script.
+# {OF} README.md#use: Words that are no quote
+"""A script."""
+class Makers:
+    # {OF[:-3]}: "Exactly N ..."
+    @any.decorator("of",
+                   "two lines")
+    def test_points(self):
+        pass
+''',
+        "tests/fuzz/CMakeLists.txt": f"""
+# {OF[:-3]}: Words ...
+add_test(NAME fuzz_replay COMMAND any)
+""",
+    }
+
+    def gather(self, old="", new=""):
+        self.assertTrue(not old or any(old in text for text in self.FILES.values()), old)
+        return promises.gather({ROOT / name: text.replace(old, new) if old else text for name, text in self.FILES.items()})
+
+    def test_what_is_right(self):
+        self.assertEqual(self.gather(), ({
+            ("points.md", '"Exactly N points" are made'): (set(), {"vdbtools_tests": ["SpacedPoints.AnyName"],
+                                                                   "cli_makers": ["Makers.test_points"]}),
+            ("README.md", "Words that are no quote"): ({"use"}, {"cli_makers": [""], "fuzz_replay": [""]})}, []))
+
     def test_each_mistake_is_found(self):
-        row = '| {} | [points](points.md) | {} |\n'
-        good = row.format('"Exactly N points" are made', "`cli_makers` test_points_of_a_mesh; `soak`; `julia_tests` "
-                          "RandomPolynomial.frozen; `layout` test_nothing_includes_what_lies_above_it; `fuzz_replay`")
-        self.assertEqual(mistakes(good), [])
-        for wrong, mistake in ((good.replace("`soak`", "`soak_`"), "no such test"),
-                               (good.replace("test_points_of_a_mesh", "test_points_of_a_mess"), "no such case"),
-                               (good.replace("RandomPolynomial.frozen", "RandomPolynomial.thawed"), "no such case"),
-                               (good.replace("`fuzz_replay`", "`fuzz_replay` test_any"), "no such case"),
-                               (good.replace("`soak`", "soak"), "no such test"),
-                               (good.replace("`soak`; ", "; "), "no such test"),
-                               (good.replace("Exactly N points", "Nearly N points"), "does not say"),
-                               (good.replace("points.md", "pints.md"), "no such page"),
-                               (row.format("nothing", ""), "no such test"),
-                               ("| one | [points](points.md) |\n", "not three cells")):
-            found = mistakes(wrong)
-            self.assertEqual(len(found), 1, wrong)
-            self.assertIn(mistake, found[0])
+        full, short = f"{OF} points.md: ", f"# {OF[:-3]}: Words"
+        for old, new, mistake in (
+                ('"Exactly N points"', '"Exactly N points of nothing"', "points.md does not say: Exactly N points of nothing"),
+                ("points.md", "pints.md", "no such page: pints.md"),
+                ("#use", "#misuse", "no such section: README.md#misuse"),
+                ('points"', "points", "spaced_points_test.cpp: a quote does not end"),
+                ("Exactly N ...", "Exactly M ...", "test_makers.py: 0 promises begin with"),
+                ("// Any comment.", f'// {full}"Exactly N points"', "test_makers.py: 2 promises begin with"),
+                ("// Any comment.", f'// {full}"Exactly N ..."', "a promise with its page has its full text"),
+                ("//   made", "// made", "spaced_points_test.cpp:3: not the form of a promise"),
+                ("// Any comment.", f"// {full}", "spaced_points_test.cpp:1: not the form of a promise"),
+                ("// Any comment.", f"// {full[:-2]} points", "spaced_points_test.cpp:1: not the form of a promise"),
+                ("// Any comment.", f"// {OF} points: points", "spaced_points_test.cpp:1: not the form of a promise"),
+                ("// Any comment.", f"// {OF} docs/points.md: points", "spaced_points_test.cpp:1: not the form of a promise"),
+                (short, short.replace(":", ""), "CMakeLists.txt:2: not the form of a promise"),
+                (short, short.lower(), "CMakeLists.txt:2: not the form of a promise"),
+                (short, short.replace(" ", "", 1), "CMakeLists.txt:2: not directly above a test"),
+                ("...\nadd_test", "...\n\nadd_test", "CMakeLists.txt:2: not directly above a test"),
+                ("fuzz_replay", "fuzz_replays", "CMakeLists.txt:2: not directly above a test"),
+                ('"""A script."""', f'"""{OF} README.md: Words ..."""', "test_makers.py:3: not directly above a test"),
+                ("      pass", f"      {short}\n        pass", "test_makers.py:9: not directly above a test"),
+                ("def test_points", "def points", "test_makers.py:5: not directly above a test")):
+            with self.subTest(new=new):
+                found = self.gather(old, new)[1]
+                self.assertEqual(len(found), 1, found)
+                self.assertIn(mistake, found[0])
+
+    def test_a_file_that_ctest_does_not_run(self):
+        for name, mistake in (("any_test.cpp", "any_test.cpp:2: ctest does not run this test: SpacedPoints.AnyName"),
+                              ("any_test.h", "any_test.h:2: not directly above a test")):
+            text = self.FILES["tests/search/spaced_points_test.cpp"]
+            self.assertEqual([line[:len(mistake)] for line in promises.gather({ROOT / name: text})[1]], [mistake])
 
 
 if __name__ == "__main__":

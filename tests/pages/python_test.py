@@ -53,6 +53,7 @@ class Page(unittest.TestCase):
     def setUp(self):
         self.text = PAGE.read_text()
 
+    # Promise: The commands of the README ...
     @unittest.skipIf(LACKING, f"there is no {', '.join(LACKING)}")
     def test_every_snippet_runs(self):
         names, said, files = run_snippets(PAGE)
@@ -82,6 +83,7 @@ class Page(unittest.TestCase):
         inside, outside = names["field"]([[0.0, 0.1, 0.0], [5.0, 5.0, 5.0]])
         self.assertTrue(inside < 0 < outside)
 
+    # Promise: The exceptions, and that they ...
     def test_the_exit_codes_are_those_of_the_program(self):
         codes = set(map(int, re.findall(r"\b\d+\b", " ".join(re.findall(r"^\|.*\| ([\d, ]+) \|$", self.text, re.M)))))
         self.assertEqual(codes, {harness.USAGE, harness.BAD_DATA, harness.NO_INPUT, harness.CANNOT_CREATE,

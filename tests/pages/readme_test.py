@@ -33,6 +33,7 @@ def small(block):
 
 
 class Readme(unittest.TestCase):
+    # Promise of README.md: The commands of the README and the pages run as they stand; usage.md "has an example of every command"
     def test_every_command_of_it_runs(self):
         self.assertEqual([b.strip() for b in blocks_of("README")[:2]], ["./quickstart", "./run-tests"])
         for page in PAGES:
@@ -51,6 +52,7 @@ class Readme(unittest.TestCase):
                 for name in set(re.findall(r"(?:-o|--mesh) ([^-\s]\S*\.\w+)", "".join(blocks))):
                     self.assertIn(name.replace("####", "0001"), made)
 
+    # Promise: The commands of the README ...
     def test_usage_has_an_example_of_every_command(self):
         self.assertIn("has an example of every command", README)
         help_text = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True).stdout
@@ -62,6 +64,7 @@ class Readme(unittest.TestCase):
     def test_it_is_short(self):
         self.assertLessEqual(len(README.splitlines()), 150)
 
+    # Promise: The commands of the README ...
     def test_quickstart_writes_its_three_files_and_three_commands_that_work(self):
         self.assertTrue(os.access(ROOT / "run-tests", os.X_OK))
         with tempfile.TemporaryDirectory() as folder:
@@ -117,6 +120,7 @@ exec {PROGRAM} "${{words[@]/#250/60}}"
                 self.assertEqual(done.returncode, code, words)
                 self.assertIn(mention, done.stderr)
 
+    # Promise: The commands of the README ...
     def test_every_option_it_names_exists(self):
         text = ""
         for command in ("sdf", "fractal", "fit", "mesh", "points", "print", "convert", "versor", "sheet", "slice", "study", "render", "explore", "info", "usd",

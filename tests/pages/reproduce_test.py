@@ -100,6 +100,7 @@ class SmallRun(unittest.TestCase):
             for picture in stored["pictures"]:
                 self.assertEqual((self.folder / name / picture).read_bytes()[:4], b"\x89PNG")
 
+    # Promise: A page of results has "the commands ..."
     def test_every_entry_of_a_paper_has_what_the_paper_has(self):
         for name in self.made():
             of_paper = self.entries[name].startswith("[")
@@ -109,6 +110,8 @@ class SmallRun(unittest.TestCase):
                 if row["ratio"]:
                     self.assertAlmostEqual(float(row["ratio"]), float(row["ours"]) / float(row["paper"]), delta=1e-5 * float(row["ratio"]))
 
+    # Promise of reproduction.md: A page of results has "the commands as they ran, what the paper has, what they gave here, and
+    #   the ratio"
     def test_the_page_has_every_entry_with_its_commands(self):
         page = self.page.read_text()
         self.assertIn("**Run at the size small**", page)
@@ -120,6 +123,7 @@ class SmallRun(unittest.TestCase):
         for link in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page):
             self.assertTrue((self.page.parent / link).is_file(), link)
 
+    # Promise: A page of results has "the commands ..."
     def test_the_commands_of_the_page_run_as_they_stand(self):
         with tempfile.TemporaryDirectory() as folder:
             bunny = put_bunny(folder)
@@ -135,6 +139,7 @@ class SmallRun(unittest.TestCase):
                 self.assertGreater(dimension + 4 * errors[case], 2, (entry, case))
                 self.assertLess(dimension, 3, (entry, case))
 
+    # Promise of replication.md: "The text needs phi - beta"
     def test_a_larger_beta_moves_the_shell_outward(self):
         volumes = self.results.ours("sk23-sweeps", "% of the target's volume")
         betas = sorted((float(case.split()[1]), volume) for case, volume in volumes.items() if case.startswith("beta"))
@@ -211,6 +216,7 @@ class SmallRun(unittest.TestCase):
             self.assertLessEqual(stopped[fit + "the factor 1.01"], grow[3])
             self.assertLessEqual(grow[3], grow[4])
 
+    # Promise of replication.md: "Our psi therefore takes |phi| to be at least half a cell"
     def test_psi_is_that_of_independent_sums(self):
         psi = self.results.ours("kim15-psi", "psi")
         moved = self.results.ours("kim15-psi", "range over five shifts of the cells")
@@ -218,6 +224,7 @@ class SmallRun(unittest.TestCase):
         self.assertAlmostEqual(psi["the program"], psi[capped], delta=0.02)
         self.assertGreater(moved[printed], 5 * moved[capped])
 
+    # Promise of replication.md: "The derivation is right, and so are Eqs. 24 and 27", other formulas are not
     def test_the_appendix_as_corrected_is_the_gradient(self):
         printed = self.results.ours("kim15-appendix", "relative error as printed, median")
         for case, error in self.results.ours("kim15-appendix", "relative error as corrected, largest").items():
@@ -244,6 +251,7 @@ class SmallRun(unittest.TestCase):
             self.assertEqual(min(parts[:2]) > 0, case.endswith("kim15"), case)
             self.assertLess(sum(parts), seconds, case)
 
+    # Promise of replication.md: "Algorithm 1 as it is printed gives hardly any here"
     def test_few_monopoles_are_negative(self):
         counts = self.results.ours("kim15-monopoles", "monopoles")
         for case, negative in self.results.ours("kim15-monopoles", "of negative weight").items():
@@ -305,6 +313,7 @@ class SmallRun(unittest.TestCase):
         for case, difference in off.items():
             self.assertLess(difference, 1e-12, case)
 
+    # Promise of replication.md: "The commands `reproduce/run NAME` make them again": each claim has its command
     def test_each_claim_of_the_page_on_replication_has_its_command(self):
         text = PAGE.read_text()
         # What no command shows stands in the last section, which says so.
@@ -325,6 +334,7 @@ class SmallRun(unittest.TestCase):
                 said = re.search(r"It prints `([^`]*)`", section).group(1)
                 self.assertEqual(done.stdout.split(), said.split(), block)
 
+    # Promise of reproduction.md: "A run that was interrupted goes on where it stopped, and makes the same tables"
     def test_a_killed_run_goes_on_and_makes_the_same(self):
         names = ["ablation-islands", "kd20-table-1", "sk23-table-2"]
         with tempfile.TemporaryDirectory() as temporary:
@@ -372,6 +382,7 @@ class TwoSizes(unittest.TestCase):
 class StoredResults(unittest.TestCase):
     """What docs/reproduction.md and reproduce/data hold of the last run."""
 
+    # Promise: A page of results has "the commands ..."
     def test_the_page_has_every_entry_or_says_that_it_was_not_run(self):
         page = (ROOT / "docs/reproduction.md").read_text()
         not_run = re.search(r"^The entries without a result were not run: (.*?)\.$", page, re.M | re.S)
@@ -381,6 +392,7 @@ class StoredResults(unittest.TestCase):
         stored = {path.stem: path.parent.name for path in (ROOT / "reproduce/data").glob("*/*.csv")}
         self.assertEqual(stored, dict(re.findall(r"`reproduce/run ([\w-]+)` took [\d. ]+ CPU seconds at the size (\w+)\.", page)))
 
+    # Promise: A page of results has "the commands ..."
     def test_the_page_and_the_data_have_the_same_numbers(self):
         page = (ROOT / "docs/reproduction.md").read_text()
         shown = {name: section for section in re.split(r"^### ", page, flags=re.M)[1:]
@@ -417,6 +429,7 @@ class Refusals(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="juliavdb_test_"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
+    # Promise: A failed command is named ...
     def test_an_unknown_name(self):
         done = reproduce("--small", "--into", self.folder / "r", "kd20-dimension", "sk23-table-9")
         self.assertEqual(done.returncode, 2)
@@ -424,6 +437,7 @@ class Refusals(unittest.TestCase):
         self.assertEqual([line.strip() for line in done.stderr.splitlines()[1:]], list(entries()))
         self.assertFalse((self.folder / "r").exists())
 
+    # Promise: A failed command is named ...
     def test_a_missing_program(self):
         done = reproduce("--small", "--into", self.folder / "r", environment={"JULIAVDB": str(self.folder / "nothing")})
         self.assertEqual(done.returncode, 2)
@@ -443,6 +457,8 @@ class Refusals(unittest.TestCase):
             self.assertEqual((done.returncode, len(done.stderr.splitlines())), (2, 1))
             self.assertIn(mention, done.stderr)
 
+    # Promise of CONTRIBUTING.md#to-add-something: A failed command is named with what it said, and the other entries go on; an
+    #   unknown entry or a missing program is refused
     def test_a_command_that_fails_and_one_that_does_not(self):
         broken = self.folder / "broken.obj"
         broken.write_text("v 0 0 0\nf 1 2 3\n")
@@ -454,6 +470,7 @@ class Refusals(unittest.TestCase):
         self.assertEqual(done.stderr.splitlines()[-1], "reproduce/run: 1 of 2 entries failed: ablation-islands")
         self.assertEqual([path.name for path in (self.folder / "r").iterdir() if not path.name.startswith(".")], ["kim15-appendix"])
 
+    # Promise: "A run that was interrupted ..."
     def test_a_mesh_that_has_changed_is_run_again(self):
         bunny, command = put_bunny(self.folder), ["--small", "--into", self.folder / "r", "ablation-proofs", "--mesh"]
         for change, said in (("", "proofs"), ("", "has its result"), ("# changed\n", "proofs")):
@@ -463,6 +480,7 @@ class Refusals(unittest.TestCase):
             self.assertIn(said, done.stderr)
             self.assertEqual("has its result" in done.stderr, said == "has its result")
 
+    # Promise: "A run that was interrupted ..."
     def test_two_runs_into_one_folder(self):
         command = [sys.executable, RUN, "--small", "--into", self.folder, "kd20-table-1"]
         environment = {**os.environ, "JULIAVDB": str(PROGRAM)}

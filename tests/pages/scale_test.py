@@ -23,6 +23,7 @@ def scale(mesh, *words):
 
 class ScalePage(unittest.TestCase):
 
+    # Promise of scale.md: "a test says when they are of another set than the program makes"
     def test_the_tables_are_of_todays_set(self):
         places = PLACE.findall(PAGE.read_text())
         self.assertEqual([name for name, _ in places], ["growth", "dimension"])

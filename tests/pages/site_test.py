@@ -10,6 +10,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "docs"))  # what make-site imports
 loader = importlib.machinery.SourceFileLoader("make_site", str(ROOT / "docs/make-site"))
 make_site = importlib.util.module_from_spec(importlib.util.spec_from_loader("make_site", loader))
 loader.exec_module(make_site)
@@ -59,6 +60,8 @@ class Site(unittest.TestCase):
             done = subprocess.run([ROOT / "docs/make-site", site], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("Commands by example", (site / "search/search_index.json").read_text())
+            for link in ("index.html#use", "design.html#vdb"):  # of the tables that tests make
+                self.assertIn(link, make_site.Links(site / "promises.html").links)
             self.assertFalse((site / "try").exists())
             for page in ("index.html", "browser.html"):
                 self.assertNotIn("try/index.html", make_site.Links(site / page).links)

@@ -12,6 +12,7 @@ TEXT = (ROOT / "docs/targets.md").read_text()
 
 
 class TargetsPage(unittest.TestCase):
+    # Promise: The commands of the README ...
     def test_every_command_runs(self):
         blocks = re.findall(r"```sh\n(.*?)```", TEXT, re.S)
         self.assertGreater(len(blocks), 5)
@@ -23,6 +24,7 @@ class TargetsPage(unittest.TestCase):
                 done = run(block, folder)
                 self.assertEqual(done.returncode, 0, f"{block}\n{done.stderr}")
 
+    # Promise of targets.md: A mesh that bounds no volume "is refused, and the message names the option that may help"
     def test_none_of_them_is_a_target_as_it_is(self):
         with tempfile.TemporaryDirectory() as folder:
             run(f"{ROOT}/docs/make-targets .", folder)

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Promise of textures.md: Textures: the table, the default, and those that `--texture-seed` varies
 """docs/textures.md has every texture of the shelf, in its order and its words."""
 import json
 import os

@@ -146,6 +146,7 @@ TEST(Canvas, TextIsAlignedByItsWidth) {
   EXPECT_GT(upwards.right, 200);  // what hangs below the baseline
 }
 
+// Promise: "Text in pictures is set ..."
 TEST(Canvas, TextIsUtf8) {
   // Characters of ASCII and beyond are single characters of different shapes.
   const TextStyle style{.size = 40};
@@ -155,6 +156,7 @@ TEST(Canvas, TextIsUtf8) {
   EXPECT_GT(minus.darkness, 0);
 }
 
+// Promise: "Text in pictures is set ..."
 TEST(Canvas, WhatTheFontLacksIsTheSameBox) {
   // No other font steps in.
   const TextStyle style{.size = 40};
@@ -212,6 +214,7 @@ std::string drawing(CanvasKind kind, const std::string& extension) {
   return canvas.encode(extension);
 }
 
+// Promise: "Text in pictures is set ..."
 TEST(Canvas, TheSameDrawingHasTheSameBytes) {
   EXPECT_EQ(drawing(CanvasKind::Svg, "svg"), drawing(CanvasKind::Svg, ".SVG"));
   EXPECT_EQ(drawing(CanvasKind::Pixels, "png"), drawing(CanvasKind::Pixels, ".PNG"));
@@ -230,6 +233,7 @@ TEST(Canvas, SvgHoldsThePathsAndTheImage) {
   EXPECT_EQ(svg.find("href=\"#"), std::string::npos);
 }
 
+// Promise: "A name that ends in `.svg` gives SVG"
 TEST(Canvas, OutlinesInSvgCoverTheInkOfThePixels) {
   const std::regex form(
       "<path aria-label=\"([^\"]*)\" fill=\"#000000\" transform=\"matrix\\(([^)]*)\\)\" d=\"([^\"]*)\"/>");

@@ -217,6 +217,7 @@ TEST(Plot, TheLegendHidesNoCurveIfItCan) {
     }
 }
 
+// Promise: "A name that ends in `.svg` gives SVG"
 TEST(Plot, SvgShowsTheSameAsPixels) {
   const Plot plot{.series = {{"curve", {{0, 0}, {0.25, 1}, {1, 0.5}}, kRed}}, .title = "Title"};
   const std::string svg = encodePlot(plot, ".svg");

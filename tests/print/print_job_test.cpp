@@ -83,6 +83,8 @@ double thinShare(const Mesh& mesh, double thickness) {
   return static_cast<double>(thin) / static_cast<double>(looked);
 }
 
+// Promise of printing.md: Thin parts become as thick as is asked for or are dropped, and "Edges and tips of 60 degrees
+//   or more do not count as thin"
 TEST(PrintJob, ThickensHairsAndFinsAndLeavesTheRest) {
   const Mesh mesh = hairyBall();
   const PrintedPart plain = printed(mesh, {.size = 60}),
@@ -101,6 +103,7 @@ TEST(PrintJob, ThickensHairsAndFinsAndLeavesTheRest) {
   EXPECT_LT(asGiven(thick), 1.2 * asGiven(plain));
 }
 
+// Promise: Thin parts become as thick ...
 TEST(PrintJob, DropsWhatIsThin) {
   const Mesh mesh = hairyBall();
   const PrintedPart part =
@@ -115,6 +118,7 @@ TEST(PrintJob, DropsWhatIsThin) {
       vdbtools::DataError);
 }
 
+// Promise: Thin parts become as thick ...
 TEST(PrintJob, TakesNoEdgeOfACubeForThin) {
   for (const double scale : {1e-3, 1e4}) {
     const PrintedPart part =
@@ -127,6 +131,7 @@ TEST(PrintJob, TakesNoEdgeOfACubeForThin) {
   }
 }
 
+// Promise: Thin parts become as thick ...
 TEST(PrintJob, ThickensASheetToTheThickness) {
   const PrintedPart part = printed(makeBox({0, 0, 0}, {10, 0.2, 6}), {.size = 50, .minThickness = 3, .resolution = 80});
   expectStands(part, 50);
@@ -134,6 +139,7 @@ TEST(PrintJob, ThickensASheetToTheThickness) {
   EXPECT_NEAR(part.extents[2], 3, 0.4);  // y was thin, and is up
 }
 
+// Promise: A part is "one closed piece, in millimetres, with z ..."
 TEST(PrintJob, CutsAFlatBase) {
   for (const std::optional<double> thickness : {std::optional<double>(), std::optional<double>(3)}) {
     const PrintedPart part =
@@ -146,6 +152,10 @@ TEST(PrintJob, CutsAFlatBase) {
   }
 }
 
+// Promise: A part is "one closed piece, in millimetres, with z ..."
+// Promise: Without a thickness and a base ...
+// Promise of printing.md: A print drops islands but the largest, and "Cavities, which would trap resin or powder, are
+//   filled"; "`--repair` closes larger holes"
 TEST(PrintJob, KeepsTheLargestIslandAndFillsCavities) {
   const Mesh ball = makeSphere(1, 3), speck = makeSphere(0.3, 2, {3, 0, 0}),
              cavity = test_meshes::flipped(makeSphere(0.5, 2));
@@ -162,6 +172,7 @@ TEST(PrintJob, KeepsTheLargestIslandAndFillsCavities) {
   EXPECT_EQ(printed(mesh, {.size = 30, .islands = 2, .resolution = 80}).keptIslands, 2u);
 }
 
+// Promise of printing.md: `--tolerance`: "neither mesh is farther than this from the other"
 TEST(PrintJob, HasFewerTrianglesWithinATolerance) {
   const Mesh ball = makeSphere(1, 4);
   const PrintedPart part = printed(ball, {.size = 30, .tolerance = 0.2});
@@ -169,6 +180,7 @@ TEST(PrintJob, HasFewerTrianglesWithinATolerance) {
   EXPECT_LT(part.mesh.triangles.size(), ball.triangles.size() / 4);
 }
 
+// Promise: A print drops islands but ...
 TEST(PrintJob, RefusesWhatIsNotClosedAndClosesItOnRequest) {
   const Mesh open = test_meshes::withoutTriangles(makeSphere(1, 4), [](const Vec3d& p) { return p[1] > 0.995; });
   EXPECT_THROW(printed(open, {.size = 30}), vdbtools::DataError);

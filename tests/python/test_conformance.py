@@ -36,6 +36,8 @@ class Conformance(harness.CliTest):
         self.write("changed.json.gz", gzip.compress(json.dumps(self.said).encode()))
         return self.check(self.path("changed.json.gz"), *arguments)
 
+    # Promise of conformance.md: "The tests check this program against" the conformance set, whose results "do not come from the
+    #   program"
     def test_the_program_has_the_results_of_the_file(self):
         done = self.check()
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -43,6 +45,7 @@ class Conformance(harness.CliTest):
         self.assertGreater(count, 15000)
         self.assertIn(f"{count} points, 0 differences", done.stdout)
 
+    # Promise: "The tests check this program ..."
     def test_every_map_and_texture_is_in_it(self):
         listed = subprocess.run([harness.program(), "maps"], check=True, capture_output=True, text=True).stdout
         maps = {line.split()[0] for line in listed.splitlines() if line and not line.startswith(" ")}
@@ -51,6 +54,7 @@ class Conformance(harness.CliTest):
         for texture in json.loads(shelf):
             self.assertEqual(self.cases[f"shape-modulus/{texture['name']}"]["recipe"]["texture"], texture["name"])
 
+    # Promise: "The tests check this program ..."
     def test_the_points_keep_the_margin(self):
         for case in self.cases.values():
             with self.subTest(case=case["name"]):
@@ -61,6 +65,7 @@ class Conformance(harness.CliTest):
                 for name in ("F", "steps", "octaves", "exponents"):
                     self.assertEqual(len(case.get(name, case["points"])), len(case["points"]))
 
+    # Promise: "The tests check this program ..."
     def test_a_changed_number_is_noticed(self):
         def sign(case):
             case["F"][3] *= -1
@@ -97,6 +102,7 @@ class Conformance(harness.CliTest):
                     self.assertIn(f"{name}: reference_maps.py: {what} ", done.stdout)
         self.assertNotIn("cross/D-5: ", done.stdout)
 
+    # Promise: "The tests check this program ..."
     def test_another_version_is_refused(self):
         self.said["version"] += 1
         done = self.changed()

@@ -70,34 +70,41 @@ class Examples(harness.CliTest):
         return [float(re.search(r": (?:at most .*: |a volume of some |dimension |IoU )?([\d.]+)", line).group(1))
                 for line in said.splitlines()]
 
+    # Promise of python.md: Seven notebooks "each answer a question with a picture", and the answers hold
     def test_deeper_detail_leaves_less(self):
         shares = self.run_notebook("1_first_fractal.py", 48)
         self.assertEqual(shares, sorted(shares, reverse=True))
 
+    # Promise: Seven notebooks "each answer ..."
     def test_a_larger_alpha_leaves_less_open(self):
         shares = self.run_notebook("2_alpha.py", 48)
         self.assertEqual(shares, sorted(shares, reverse=True))
 
+    # Promise: Seven notebooks "each answer ..."
     def test_a_map_of_ones_own(self):
         volumes = self.run_notebook("3_own_map.py", 48, mesh=False)
         self.assertEqual(len(set(volumes)), 3)
         self.assertTrue(all(0 < volume < 4 / 3 * 3.15 * 4**3 for volume in volumes), volumes)
 
+    # Promise: Seven notebooks "each answer ..."
     def test_more_roots_fit_better(self):
         overlaps = self.run_notebook("4_fitting.py", 48)
         self.assertEqual(overlaps, sorted(overlaps))
         self.assertGreater(overlaps[-1], 0.8)
 
+    # Promise: Seven notebooks "each answer ..."
     def test_the_dimension_of_a_smooth_surface_is_2(self):
         smooth, *rough = self.run_notebook("5_dimension.py", 60)
         self.assertAlmostEqual(smooth, 2, delta=0.1)
         self.assertTrue(all(smooth < dimension < 3 for dimension in rough), rough)
 
+    # Promise: Seven notebooks "each answer ..."
     def test_floats_fail_where_points_are_near(self):
         flips = self.run_notebook("6_precision.py", 2000)
         self.assertLess(flips[0], 1)
         self.assertGreater(flips[-1], 5)
 
+    # Promise: Seven notebooks "each answer ..."
     def test_the_document_is_complete(self):
         points, shell, differ = self.run_notebook("7_from_the_document.py", 4000)
         self.assertGreater(shell, points / 5)

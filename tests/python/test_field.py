@@ -75,6 +75,7 @@ def escape_of(field):
 
 class Shapes(FieldTest):
 
+    # Promise of python.md: "Points are arrays of any shape (..., 3)", in any number of threads; other arrays raise a `ValueError`
     def test_any_shape_gives_the_same_numbers(self):
         field = juliavdb.Field(self.torus, **SMALL)
         points = self.points(field, 120)
@@ -91,6 +92,7 @@ class Shapes(FieldTest):
                 self.assertTrue(np.array_equal(one, flat[7], equal_nan=flat.dtype.kind == "f"))
                 self.assertEqual(method(np.empty((0, 5, 3))).shape, (0, 5, *flat.shape[1:]))
 
+    # Promise: "Points are arrays of any ..."
     def test_layout_and_kind_do_not_matter(self):
         field = juliavdb.Field(self.torus, **SMALL)
         points = self.points(field, 50).astype(np.float32)
@@ -99,6 +101,7 @@ class Shapes(FieldTest):
             self.assertTrue(np.array_equal(field(same), values))
         self.assertTrue(np.array_equal(field(np.array([[1, 0, 0]])), field([[1.0, 0.0, 0.0]])))
 
+    # Promise: "Points are arrays of any ..."
     def test_threads_change_nothing(self):
         field = juliavdb.Field(self.torus, **SMALL)
         points = self.points(field, 5000)
@@ -109,6 +112,7 @@ class Shapes(FieldTest):
                     self.assertTrue(np.array_equal(method(points, threads=threads), first,
                                                    equal_nan=first.dtype.kind == "f"))
 
+    # Promise: "Points are arrays of any ..."
     def test_what_are_no_points(self):
         field = juliavdb.Field(self.torus, **SMALL)
         cases = [([1, 2], r"shape \(\.\.\., 3\).*it is \(2,\)"), (np.zeros((4, 2)), r"it is \(4, 2\)"),
@@ -132,12 +136,14 @@ class Shapes(FieldTest):
             with self.assertRaisesRegex(ValueError, "step is"):
                 field.gradient([0, 0, 0], step=step)
 
+    # Promise: "Points are arrays of any ..."
     def test_what_a_map_without_a_target_has_not(self):
         field = self.quadratic()
         for name in ("distance", "thickness", "octave", "exponent"):
             with self.subTest(method=name), self.assertRaisesRegex(ValueError, "target"):
                 getattr(field, name)([0, 0, 0])
 
+    # Promise: "Points are arrays of any ..."
     def test_progress_cancels(self):
         field = juliavdb.Field(self.torus, **SMALL)
         for name, method in self.methods(field).items():
@@ -147,6 +153,8 @@ class Shapes(FieldTest):
 
 class Orbits(FieldTest):
 
+    # Promise of python.md#the-field: What F is made of, beside slow answers by numpy: orbits, exponents, versors, traps,
+    #   distances and thicknesses
     def test_orbits_of_a_quadratic_map_by_hand(self):
         field = self.quadratic()
         points = self.random.uniform(-1.4, 1.4, (400, 3))
@@ -161,6 +169,7 @@ class Orbits(FieldTest):
         np.testing.assert_allclose(orbit.iterates, iterates, rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(np.exp(orbit.log_moduli), np.linalg.norm(iterates, axis=-1), rtol=1e-9)
 
+    # Promise: What F is made of, beside ...
     def test_the_field_is_the_last_logarithm_of_the_orbit(self):
         for options in ({"map": "quadratic", "c": C}, {"map": "mandelbulb"}, {"map": "cross"}, {"vertices": self.torus, **SMALL},
                         {"vertices": self.torus, "precision": "double", **SMALL}, {"vertices": self.torus, "exhaustive": True, **SMALL}):
@@ -180,6 +189,7 @@ class Orbits(FieldTest):
                 self.assertTrue((orbit.steps[orbit.ends == "steps"] == orbit.log_moduli.shape[1] - 1).all())
                 self.assertTrue(field.inside(points[orbit.ends == "trapped"]).all())
 
+    # Promise: What F is made of, beside ...
     def test_each_step_of_a_shape_modulus_has_its_exponent_and_versor(self):
         """The steps of an orbit are first steps from its iterates."""
         field = juliavdb.Field(self.torus, precision="double", iterations=4, **SMALL)
@@ -198,6 +208,7 @@ class Orbits(FieldTest):
             modulus = np.exp(orbit.log_moduli[there, step])
             np.testing.assert_allclose(orbit.iterates[there, step], modulus[:, None] * field.versor(before), rtol=1e-8, atol=1e-300)
 
+    # Promise: What F is made of, beside ...
     def test_the_trap_is_the_smallest_iterate(self):
         for options in ({"map": "quadratic", "c": C}, {"map": "mandelbulb"}, {"vertices": self.torus, **SMALL}):
             with self.subTest(options=options):
@@ -213,6 +224,7 @@ class Orbits(FieldTest):
 
 class Parts(FieldTest):
 
+    # Promise: What F is made of, beside ...
     def test_one_iteration_is_the_exponent(self):
         field = juliavdb.Field(self.torus, iterations=1, precision="double", alpha=15, **SMALL)
         low, high = np.array(field.bounds)
@@ -224,6 +236,7 @@ class Parts(FieldTest):
         self.assertGreater(known.sum(), 100)
         np.testing.assert_allclose(field.exponent(points)[known], 15 * phi[known], atol=1e-5)
 
+    # Promise: What F is made of, beside ...
     def test_the_distance_of_a_ball(self):
         points, triangles = harness.sphere(4)
         self.write("ball.obj", harness.obj((points, triangles)))
@@ -237,6 +250,7 @@ class Parts(FieldTest):
         # Far away is the band's width, with the side's sign.
         self.assertGreater(field.distance([50, 0, 0]), 0)
 
+    # Promise: What F is made of, beside ...
     def test_distance_and_thickness_are_the_attributes_of_a_mesh(self):
         options = {"attributes": "depth,tau", **SMALL}
         made, field = juliavdb.fractal(self.torus, **options), juliavdb.Field(self.torus, **options)
@@ -324,6 +338,7 @@ class Parts(FieldTest):
         found = field.versor(points)
         np.testing.assert_allclose(found, unit((1 - t) * texture(scale * q) + t * texture(2 * scale * q)), atol=1e-6)
 
+    # Promise: What F is made of, beside ...
     def test_the_versor_of_roots_by_hand(self):
         roots = [((0.1, 0.2, -0.3, 0), 2), ((-0.4, 0.1, 0.2, 0.1), 3), ((0.2, -0.5, 0.1, 0), 1)]
         self.write("v.json", harness.rational_json([(*root, power) for root, power in roots]))
@@ -338,6 +353,7 @@ class Parts(FieldTest):
         value /= np.linalg.norm(value, axis=1)[:, None]
         np.testing.assert_allclose(field.versor(points), value, atol=1e-12)
 
+    # Promise of python.md: "their meshes and grids say where the nodes lie, so that F at these places agrees with them"
     def test_cross_maps_lie_where_their_definition_has_them(self):
         """By hand, of the pair D in scheme 4: f x g with f = r^2 (-sin 2phi, cos 2phi, 0) and g = (0, 0, 1)."""
         steps = 3
@@ -359,6 +375,7 @@ class Parts(FieldTest):
 
 class Gradients(FieldTest):
 
+    # Promise of python.md: "The gradient is a central difference of F in doubles"; where steps differ, it is NaN
     def test_the_gradient_of_a_quadratic_map_by_hand(self):
         """The derivative of ln |q_n| along the orbit: dq' = dq q + q dq."""
         field = self.quadratic()
@@ -376,6 +393,7 @@ class Gradients(FieldTest):
                 by_hand = last @ slope / (last @ last)
                 self.assertAlmostEqual(found[i, axis] / max(1, abs(by_hand)), by_hand / max(1, abs(by_hand)), delta=1e-5)
 
+    # Promise: "The gradient is a central ..."
     def test_gradients_are_differences_in_the_targets_units(self):
         big = 100 * np.array(self.mesh[0]) + (7, 8, 9), np.array(self.mesh[1])
         field = juliavdb.Field(*big, precision="double", iterations=2, **SMALL)
@@ -390,6 +408,7 @@ class Gradients(FieldTest):
         self.assertGreater(close[~np.isnan(found[:, 0])].mean(), 0.97)
         self.assertGreater(np.abs(found[close]).max(), 0.01)
 
+    # Promise: "The gradient is a central ..."
     def test_there_is_none_where_f_jumps(self):
         field = self.quadratic()
         points = self.random.uniform(-1.2, 1.2, (3000, 3))
@@ -403,6 +422,7 @@ class Gradients(FieldTest):
 
 class Decisions(FieldTest):
 
+    # Promise of python.md#the-field: What `decide` proves of a ball holds for each of its points
     def test_no_point_of_a_ball_contradicts_its_proof(self):
         for options in ({"map": "quadratic", "c": C}, {"map": "mandelbulb"}, {"vertices": self.torus, **SMALL},
                         {"vertices": 1000 * np.array(self.mesh[0]) + 5000, "faces": np.array(self.mesh[1]), **SMALL}):
@@ -421,6 +441,7 @@ class Decisions(FieldTest):
                     self.assertTrue(inside[decided == -1].all())
                     self.assertFalse(inside[decided == 1].any())
 
+    # Promise: What `decide` proves of a ball ...
     def test_one_radius_is_the_radius_of_all(self):
         field = self.quadratic()
         centres = self.points(field, 600).reshape(20, 30, 3)
@@ -434,6 +455,7 @@ class Decisions(FieldTest):
 
 class Devices(FieldTest):
 
+    # Promise of python.md: `device` evaluates F "for one call", with the same bits
     def test_a_choice_that_is_none(self):
         field = self.quadratic()
         for device in ("gpu", "opencl:", "opencl:9999"):
@@ -442,6 +464,7 @@ class Devices(FieldTest):
         points = self.points(field, 300)
         self.assertTrue(np.array_equal(field(points, device="cpu"), field(points)))
 
+    # Promise: `device` evaluates F "for one ..."
     @unittest.skipUnless(harness.has_opencl(), "no device of OpenCL is installed")
     def test_a_device_gives_the_same_bits(self):
         field = juliavdb.Field(self.torus, **SMALL)

@@ -49,6 +49,8 @@ class ModuleTest(harness.CliTest):
 
 class NothingIsLost(ModuleTest):
 
+    # Promise of python.md: `ValueError` where "`write` would replace a file that was read"
+    # Promise: "No output replaces an input", through ...
     def test_what_was_read_is_not_replaced(self):
         self.write("v.json", harness.rational_json(harness.ROOTS))
         made = juliavdb.fractal(self.torus, texture=str(self.path("v.json")), **SMALL)
@@ -69,6 +71,7 @@ class NothingIsLost(ModuleTest):
         self.assertFalse(self.path("new.vdb").exists())
         self.assertEqual([name for name in self.listing() if name.endswith(".tmp")], [])
 
+    # Promise: `ValueError` where "`write` would ..."
     def test_two_outputs_are_two_files(self):
         made = juliavdb.fractal(*arrays(self.mesh), **SMALL)
         with self.assertRaisesRegex(ValueError, "a.ply"):
@@ -79,6 +82,7 @@ class NothingIsLost(ModuleTest):
 
 class LikeTheCommand(ModuleTest):
 
+    # Promise of python.md: "The files have the same bytes as those of the command with the same options"
     def test_files_have_the_bytes_of_the_commands(self):
         cases = [
             (dict(detail=0.4, texture="quills"), ("--detail", "0.4", "--texture", "quills")),
@@ -98,6 +102,7 @@ class LikeTheCommand(ModuleTest):
                 for extension in ("vdb", "ply", "obj", "stl"):
                     self.assertEqual(self.bytes(f"a.{extension}"), self.bytes(f"b.{extension}"), extension)
 
+    # Promise: "the program says how many, as do tasks ..."
     def test_values_that_halves_cannot_hold_are_told(self):
         points, faces = arrays(self.mesh)
         for size, expected in ((1, 0), (1e6, 1)):
@@ -127,6 +132,7 @@ class LikeTheCommand(ModuleTest):
         with self.assertRaisesRegex(ValueError, r"g\.ply.*\.vdb or \.nvdb"):
             grid.write(self.path("g.ply"))
 
+    # Promise: "What was made before changes ..."
     def test_a_fractal_does_not_depend_on_those_before_it(self):
         small = {"sdf_resolution": 60, "resolution": 20}
         points, faces = harness.snowman()
@@ -141,6 +147,7 @@ class LikeTheCommand(ModuleTest):
                 self.assertTrue(made.setdefault(detail, this) == this, detail)
         self.assertEqual(len({values for _, values in made.values()}), 3)
 
+    # Promise: Arrays "are the memory of the result, not ..."
     def test_attributes_are_those_of_the_file(self):
         made = juliavdb.fractal(self.torus, **SMALL, attributes=["depth", "direction"], colour="trap:magma")
         self.ok("fractal", self.torus, *SMALL_WORDS, "--attributes", "depth,direction", "--colour", "trap:magma",
@@ -176,6 +183,7 @@ class LikeTheCommand(ModuleTest):
                 "--mesh", "b.ply")
         self.assertEqual(self.bytes("a.ply"), self.bytes("b.ply"))
 
+    # Promise: "The files have the same bytes as those ..."
     def test_a_fit_is_the_commands(self):
         options, words = dict(roots=12, resolution=24), ("--roots", 12, "--resolution", 24)
         fitted = juliavdb.fit(self.torus, **options)
@@ -193,6 +201,8 @@ class LikeTheCommand(ModuleTest):
         with self.assertRaisesRegex(ValueError, r"\.json or \.o3d"):
             fitted.write("a.vdb")
 
+    # Promise of python.md: Python: "the pictures have the same pixels as those of the command", in any light
+    # Promise of python.md#pictures: A picture has the pixels of the command's
     def test_pictures_have_the_pixels_of_the_commands(self):
         picture = juliavdb.render(self.torus, sdf_resolution=30, size=(40, 24), samples=1, colour="clay")
         self.ok("render", "--field", self.torus, "--sdf-resolution", 30, "--size", "40x24", "--samples", 1, "--colour",
@@ -203,6 +213,7 @@ class LikeTheCommand(ModuleTest):
         again = field.render(size="40x24", samples=1, colour="clay")
         self.assertTrue(np.array_equal(picture, again))
 
+    # Promise: Python: "the pictures have ..."
     def test_pictures_have_the_look_of_the_commands(self):
         field = juliavdb.Field(self.torus, sdf_resolution=30)
         seen = {field.render(size=(40, 24), samples=1).tobytes()}
@@ -226,6 +237,8 @@ class LikeTheCommand(ModuleTest):
                 self.assertIn(next(reversed(wrong)), str(raised.exception))
                 self.assertNotIn("--", str(raised.exception))
 
+    # Promise of python.md: The exceptions, and that they "say the same as the program's"
+    # Promise of python.md: Messages "call options by their names in Python"
     def test_errors_have_the_words_of_the_command(self):
         self.write("open.obj", harness.obj(harness.with_hole(harness.sphere())))
         self.write("text.obj", "hello")
@@ -252,6 +265,7 @@ class LikeTheCommand(ModuleTest):
                 self.assertEqual(f"juliavdb: {caught.exception}\n", in_python(said(run)))
         self.assertTrue(issubclass(juliavdb.DataError, ValueError))
 
+    # Promise: The exceptions, and that they ...
     def test_what_cannot_be_written(self):
         made = juliavdb.fractal(map="mandelbulb", resolution=20)
         with self.assertRaisesRegex(ValueError, r"f\.abc.*\.vdb or .*\.ply, "):
@@ -275,6 +289,8 @@ def pixels(data):
 
 class Arrays(ModuleTest):
 
+    # Promise of python.md#a-fractal: A target of arrays is as good as a file; its recipe has the name and the SHA-256 that the
+    #   page says
     def test_a_mesh_in_memory_is_as_good_as_a_file(self):
         points, triangles = arrays(self.mesh)
         of_file = juliavdb.fractal(self.torus, **SMALL, detail=0.4)
@@ -300,12 +316,15 @@ class Arrays(ModuleTest):
         with self.assertRaisesRegex(juliavdb.DataError, "not the one"):
             juliavdb.fractal(points + 1, triangles, **SMALL, source_sha256=hashlib.sha256(data).hexdigest())
 
+    # Promise: A target of arrays is as good ...
     def test_floats_are_the_doubles_of_the_same_value(self):
         points, triangles = arrays(self.mesh)
         single = points.astype(np.float32)
         a, b = (juliavdb.fractal(each, triangles, **SMALL) for each in (single, single.astype(np.float64)))
         self.assertTrue(np.array_equal(a.vertices, b.vertices))
 
+    # Promise of python.md: Arrays "are the memory of the result, not copies of it, and stay valid after the result is gone. They
+    #   cannot be written to"
     def test_the_arrays_are_the_memory_of_the_result(self):
         made = juliavdb.fractal(self.torus, **SMALL)
         kinds = {"vertices": np.float64, "faces": np.uint32, "normals": np.float32}
@@ -323,6 +342,7 @@ class Arrays(ModuleTest):
         self.assertTrue(np.array_equal(vertices, copy))
         del ballast
 
+    # Promise: "The files have the same bytes as those ..."
     def test_the_mesh_is_the_one_that_is_written(self):
         made = juliavdb.fractal(self.torus, **SMALL)
         made.write(self.path("f.obj"))
@@ -350,6 +370,7 @@ class Arrays(ModuleTest):
         with self.assertRaisesRegex(ValueError, "no end.*invert"):
             juliavdb.sdf(smoke, iso=0.25, invert=True)
 
+    # Promise: A target of arrays is as good ...
     def test_arrays_that_are_no_mesh(self):
         points, triangles = arrays(self.mesh)
         broken = points.copy()
@@ -400,6 +421,7 @@ class Arrays(ModuleTest):
         with self.assertRaisesRegex(ValueError, "uses vertex"):
             juliavdb.fractal(turned, triangles, rest=points[:-1], **SMALL)
 
+    # Promise: Messages "call options by their ..."
     def test_points_need_no_faces(self):
         points, triangles = arrays(self.mesh)
         alone = juliavdb.fractal(points, points_radius=0.3, **SMALL)
@@ -410,6 +432,9 @@ class Arrays(ModuleTest):
 
 class Memory(ModuleTest):
 
+    # Promise of python.md: "Work that is known to need more memory than the machine, the control group and `ulimit` leave is
+    #   refused before it begins": a `MemoryError`; `memory` sets another limit "for a call and for all that is made of its
+    #   result"
     def test_what_cannot_fit_is_refused_at_once(self):
         """As the command refuses it, before the work: the callback hears of no surface."""
         phases = []
@@ -421,6 +446,7 @@ class Memory(ModuleTest):
                                      progress=lambda phase, share: phases.append(phase))
         self.assertNotIn("surface", phases)
 
+    # Promise: "Work that is known to need ..."
     def test_a_limit_holds_for_all_that_is_made(self):
         made = juliavdb.fractal(self.torus, **SMALL, memory="unlimited")
         self.assertTrue(np.array_equal(made.vertices, juliavdb.fractal(self.torus, **SMALL).vertices))
@@ -430,6 +456,7 @@ class Memory(ModuleTest):
         with self.assertRaisesRegex(MemoryError, "use a smaller size"):
             field.render(size=(30000, 30000))
 
+    # Promise: "Work that is known to need ..."
     def test_a_limit_that_is_none(self):
         for limit in ("many", "16", "-1G", ""):
             with self.subTest(limit=limit), self.assertRaisesRegex(ValueError, "^memory is '.*such as 16G, or unlimited"):
@@ -479,6 +506,7 @@ class Threads(ModuleTest):
 
 class FieldTest(ModuleTest):
 
+    # Promise of python.md: A `Field` evaluates F "at any point, as often as you like"
     def test_a_quadratic_map_by_hand(self):
         c, steps = np.array([-0.2, 0.6, 0.2, 0.2]), 6
         field = juliavdb.Field(map="quadratic", c=c, iterations=steps, resolution=20, precision="double")
@@ -498,6 +526,7 @@ class FieldTest(ModuleTest):
         low, high = np.array(field.bounds)
         self.assertTrue(((points[stays] >= low) & (points[stays] <= high)).all())
 
+    # Promise: A `Field` evaluates F "at any ..."
     def test_a_point_has_its_value_in_any_company(self):
         field = juliavdb.Field(self.torus, sdf_resolution=30)
         points = np.random.default_rng(2).uniform(-1, 1, (5001, 3))
@@ -511,6 +540,7 @@ class FieldTest(ModuleTest):
             with self.assertRaises(ValueError):
                 field(bad)
 
+    # Promise: A `Field` evaluates F "at any ..."
     def test_the_surface_lies_where_the_sign_changes(self):
         options = dict(sdf_resolution=40, resolution=40, detail=0.3, frequency="coarse")
         made, field = juliavdb.fractal(self.torus, **options), juliavdb.Field(self.torus, **options)
@@ -531,6 +561,7 @@ class Versors(ModuleTest):
         x, y, z = points.T
         return np.column_stack([0.3 + y, z - 0.1, x + 0.2])
 
+    # Promise of python.md#a-versor-of-your-own: A versor that is a function of Python: what it raises, shapes, the recipe
     def test_a_function_is_the_formula_of_the_same(self):
         asked = []
 
@@ -574,6 +605,7 @@ class Versors(ModuleTest):
         self.assertTrue(np.array_equal(alone, field(points)[:20]))
         self.assertTrue(np.array_equal(field.render(size=(40, 40), samples=1), same.render(size=(40, 40), samples=1)))
 
+    # Promise: A versor that is a function ...
     def test_what_a_function_raises_the_call_raises(self):
         class Mine(Exception):
             pass
@@ -590,6 +622,7 @@ class Versors(ModuleTest):
         with self.assertRaises(KeyboardInterrupt):
             juliavdb.fractal(self.torus, texture=self.swirl, progress=lambda phase, share: False, **SMALL)
 
+    # Promise: A versor that is a function ...
     def test_what_is_no_direction(self):
         nan = float("nan")
         for name, function, words in (("shape", lambda p: p[:, :2], ("(n, 3) or (n, 4)",)),
@@ -618,6 +651,7 @@ class Versors(ModuleTest):
         one = juliavdb.fractal(self.torus, texture="expr:1,0,0,0", **SMALL)
         self.assertTrue(np.array_equal(zero.vertices, one.vertices))
 
+    # Promise: A versor that is a function ...
     def test_a_recipe_cannot_hold_a_function(self):
         made = juliavdb.fractal(self.torus, texture=self.swirl, **SMALL)
         made.write(self.path("own.vdb"))
@@ -626,6 +660,7 @@ class Versors(ModuleTest):
         with self.assertRaisesRegex(ValueError, "function of a Python program"):
             juliavdb.fractal(self.torus, texture="function", **SMALL)
 
+    # Promise: "A set over a target that has the symmetry has it too"
     def test_symmetry_leaves_the_set_as_it_is(self):
         """Over a cube about 0, whose distances have the symmetry too."""
         self.write("cube.obj", harness.obj(harness.cube()))
@@ -658,6 +693,7 @@ class Devices(ModuleTest):
             with self.subTest(choice=choice):
                 self.assertRaises((ValueError, RuntimeError), juliavdb.use_device, choice)
 
+    # Promise: "The files have the same bytes with every choice"
     @unittest.skipUnless(harness.has_opencl(), "no device of OpenCL is installed")
     def test_a_device_gives_the_same_mesh(self):
         self.assertEqual(juliavdb.devices()[0]["refusal"], "")

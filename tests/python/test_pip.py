@@ -47,6 +47,7 @@ class Pip(unittest.TestCase):
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
         return subprocess.run([sys.executable, "-m", "pip", *map(str, words)], cwd=self.folder, env=environment, capture_output=True, text=True)
 
+    # Promise of python.md: "pip makes a wheel with the type stubs, and needs no network for it"
     def test_a_wheel_is_made_and_works(self):
         made = self.pip("wheel", "--no-build-isolation", "--no-deps", "-w", "wheels", self.source)
         self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
@@ -68,6 +69,7 @@ class Pip(unittest.TestCase):
         for place in places:
             self.assertTrue(pathlib.Path(place).is_relative_to(self.folder / "there"), place)
 
+    # Promise: "pip makes a wheel with the type ..."
     def test_a_build_that_is_none(self):
         made = self.pip("wheel", "--no-build-isolation", "--no-deps", "-w", "wheels", self.source, build=str(self.folder))
         self.assertNotEqual(made.returncode, 0)

@@ -46,6 +46,7 @@ class ResearchTest(harness.CliTest):
 
 class Copies(ResearchTest):
 
+    # Promise of python.md: "A `Field` can be pickled", and is then the same
     def test_a_pickled_field_has_the_same_numbers(self):
         arrays = np.array(self.mesh[0]), np.array(self.mesh[1])
         for given, options in (((self.torus,), {"detail": 0.4}), (arrays, {"alpha": 30, "texture": "rings"}), ((self.torus,), {"texture": swirl}),
@@ -75,6 +76,7 @@ class Copies(ResearchTest):
             for same in (copy.copy(made), copy.deepcopy(made)):
                 self.assertTrue(np.array_equal(same.vertices, made.vertices))
 
+    # Promise: Grids there and back: arrays, pyopenvdb, pickle; meshes of meshio
     def test_a_target_may_be_a_mesh_of_meshio(self):
         class MeshioMesh:
             """What is read of one."""
@@ -87,6 +89,7 @@ class Copies(ResearchTest):
         with self.assertRaisesRegex(ValueError, "no triangles.*quad"):
             juliavdb.fractal(MeshioMesh(), **SMALL)
 
+    # Promise: Grids there and back: arrays, pyopenvdb, pickle; meshes of meshio
     @unittest.skipUnless(importlib.util.find_spec("meshio"), "meshio is missing; on Debian, install python3-meshio")
     def test_a_mesh_goes_to_meshio_and_comes_back(self):
         import meshio
@@ -115,6 +118,8 @@ class Maps(ResearchTest):
         with np.errstate(all="ignore"):
             return np.concatenate([a * a - (v * v).sum(axis=1, keepdims=True), 2 * a * v], axis=1) + cls.C
 
+    # Promise of python.md#a-map-of-your-own: A map that is a function of Python: nothing is proved of it, what it raises, what is
+    #   not finite, the recipe
     def test_a_function_is_the_built_in_map_of_the_same(self):
         options = {"iterations": 6, "precision": "double"}
         own = juliavdb.Field(map=self.square, radius=20, **options)
@@ -130,6 +135,7 @@ class Maps(ResearchTest):
         self.assertTrue(np.array_equal(meshes[0].faces, meshes[1].faces))
         np.testing.assert_allclose(meshes[0].vertices, meshes[1].vertices, atol=1e-6)
 
+    # Promise: A map that is a function ...
     def test_the_second_argument_is_where_the_orbit_began(self):
         def mandelbrot(q, start):
             return self.square(q, start) - self.C + start
@@ -139,6 +145,7 @@ class Maps(ResearchTest):
         points = self.random.uniform(-1.3, 1.3, (2000, 3))
         self.assertTrue(np.array_equal(own.inside(points), same.inside(points)))
 
+    # Promise: A map that is a function ...
     def test_nothing_is_proved_but_outside_of_the_ball(self):
         field = juliavdb.Field(map=self.square, radius=2, iterations=3)
         points = self.random.uniform(-3, 3, (500, 3))
@@ -146,11 +153,13 @@ class Maps(ResearchTest):
         self.assertTrue(np.array_equal(decided == 1, np.linalg.norm(points, axis=1) - 0.01 > 2 - 1e-9))
         self.assertFalse((decided == -1).any())
 
+    # Promise: A map that is a function ...
     def test_what_is_not_finite_has_escaped(self):
         field = juliavdb.Field(map=lambda q, start: np.where(q[:, :1] > 0, np.nan, 0 * q), radius=2, iterations=3)
         inside = field.inside([[0.5, 0, 0], [-0.5, 0, 0]])
         self.assertEqual(list(inside), [False, True])
 
+    # Promise: A map that is a function ...
     def test_what_a_map_raises_or_returns_wrongly(self):
         class Mine(Exception):
             pass
@@ -174,6 +183,7 @@ class Maps(ResearchTest):
 
 class Grids(ResearchTest):
 
+    # Promise of python.md#slices-studies-dimensions: `sdf`, `slice`, `study` and `dimension` give what the commands give
     def test_distances_are_those_of_the_command(self):
         arrays = np.array([line.split()[1:4] for line in self.path("torus.obj").read_text().splitlines() if line.startswith("v ")],
                           dtype=float), np.array(self.mesh[1])
@@ -191,6 +201,7 @@ class Grids(ResearchTest):
         with self.assertRaisesRegex(ValueError, "torus.obj"):
             juliavdb.sdf(self.torus, resolution=24).write(self.torus)
 
+    # Promise: Grids there and back: arrays, pyopenvdb, pickle; meshes of meshio
     def test_the_distances_of_a_ball(self):
         points, triangles = harness.sphere(4)
         grid = juliavdb.sdf(np.array(points), np.array(triangles), resolution=40)
@@ -198,6 +209,7 @@ class Grids(ResearchTest):
         at *= (1 + self.random.uniform(-0.05, 0.05, (10, 50, 1))) / np.linalg.norm(at, axis=-1, keepdims=True)
         self.assertLess(np.abs(grid.sample(at) - (np.linalg.norm(at, axis=-1) - 1)).max(), 0.01)
 
+    # Promise of python.md#grids: Grids there and back: arrays, pyopenvdb, pickle; meshes of meshio
     def test_arrays_there_and_back(self):
         array = self.random.normal(size=(9, 12, 5)).astype(np.float32)
         grid = juliavdb.Grid(array, 0.25, (1, -2, 3), "noise")
@@ -222,6 +234,7 @@ class Grids(ResearchTest):
             with self.assertRaisesRegex(ValueError, "voxel_size is"):
                 juliavdb.Grid(array, size)
 
+    # Promise: Grids there and back: arrays, pyopenvdb, pickle; meshes of meshio
     @unittest.skipUnless(pyopenvdb, "there is no pyopenvdb")
     def test_grids_of_pyopenvdb(self):
         array = self.random.normal(size=(6, 7, 8)).astype(np.float32)
@@ -236,6 +249,7 @@ class Grids(ResearchTest):
 
 class Studies(ResearchTest):
 
+    # Promise: `sdf`, `slice`, `study` and `dimension` ...
     def test_a_slice_has_the_pixels_of_the_command(self):
         for axis, position in (("z", None), ("x", 0.1)):
             words = ["--axis", axis] + ([] if position is None else ["--position", position])
@@ -251,6 +265,7 @@ class Studies(ResearchTest):
             with self.assertRaisesRegex(ValueError, next(iter(wrong))):
                 juliavdb.slice(self.torus, sdf_resolution=30, **wrong)
 
+    # Promise: `sdf`, `slice`, `study` and `dimension` ...
     def test_a_study_counts_the_sets_of_seeds(self):
         options = {"sdf_resolution": 30, "alpha": 20}
         study = juliavdb.study(self.torus, versors=4, size=30, texture_seed=7, **options)
@@ -267,6 +282,7 @@ class Studies(ResearchTest):
         ours = np.stack([study["circles"][name] for name in ("radius", "mean", "least", "greatest", "sphere_mean", "membership")], axis=1)
         np.testing.assert_allclose(ours, rows, rtol=1e-4, atol=1e-5)
 
+    # Promise: `sdf`, `slice`, `study` and `dimension` ...
     def test_a_dimension_is_the_slope_of_the_triangles(self):
         found = juliavdb.dimension(self.torus, resolutions=[12, 18, 27], sdf_resolution=30)
         printed = json.loads(self.ok("study", self.torus, "--dimension", "12,18,27", "--sdf-resolution", 30, "--json", data=True))
@@ -298,6 +314,8 @@ class Fitting(unittest.TestCase):
             sums.append((roots[:, 4] * np.log(distances)).sum(axis=1))
         return rational.log_scale + rational.top_scale * sums[0] - rational.bottom_scale * sums[1]
 
+    # Promise of python.md#the-parts-of-a-fit: The parts of a fit: charges, monopoles, energy, gradient and minimum, beside numpy
+    #   and what is known of a ball
     def test_the_charge_of_a_ball(self):
         charge = fitting.charge(self.points, self.triangles)
         self.assertAlmostEqual(charge.capacitance, 0.4, delta=0.004)
@@ -305,6 +323,7 @@ class Fitting(unittest.TestCase):
         at *= 1.5 / np.linalg.norm(at, axis=-1, keepdims=True)
         np.testing.assert_allclose(fitting.potential(self.points, self.triangles, charge.density, at), 0.4 / 1.5, rtol=0.01)
 
+    # Promise: The parts of a fit: charges, monopoles, energy, gradient ...
     def test_monopoles_are_the_least_squares_of_their_places(self):
         outside = 1.3 * self.points[::4]
         known = 0.4 / np.linalg.norm(outside - (0.1, 0, 0), axis=1)
@@ -318,6 +337,7 @@ class Fitting(unittest.TestCase):
         self.assertEqual(len(rational.top), (found.weights > 0).sum())
         self.assertEqual(len(rational.bottom), (found.weights < 0).sum())
 
+    # Promise: The parts of a fit: charges, monopoles, energy, gradient ...
     def test_the_energy_and_its_gradient_by_hand(self):
         weights = fitting.weights(self.cells, self.phi, 0.02)
         clamped = np.sign(self.phi) * np.maximum(np.abs(self.phi.astype(np.float32)), 0.01)
@@ -350,6 +370,7 @@ class Fitting(unittest.TestCase):
             self.assertAlmostEqual(gradient.bottom[i],
                                    slope(lambda s: self.rational._replace(bottom=power(self.rational.bottom, i, s))), **near)
 
+    # Promise: The parts of a fit: charges, monopoles, energy, gradient ...
     def test_the_gradient_by_places_by_hand(self):
         weights = fitting.weights(self.cells, self.phi, 0.02)
         _, gradient = fitting.Energy(self.cells, weights, self.rational, alpha=0.8).gradient(self.rational)
@@ -366,6 +387,7 @@ class Fitting(unittest.TestCase):
                 moved = [psi(self.rational._replace(**{side: getattr(self.rational, side) + sign * step})) for sign in (1, -1)]
                 self.assertAlmostEqual(found[i, axis], (moved[0] - moved[1]) / 2e-5, delta=1e-5)
 
+    # Promise: The parts of a fit: charges, monopoles, energy, gradient ...
     def test_roots_move_to_where_the_energy_is_lower(self):
         weights = fitting.weights(self.cells, self.phi, 0.02)
         energy = fitting.Energy(self.cells, weights, self.rational)
@@ -381,6 +403,7 @@ class Fitting(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "reach"):
             energy.move_roots(self.rational, -1)
 
+    # Promise: The parts of a fit: charges, monopoles, energy, gradient ...
     def test_a_minimum_is_lower_and_nowhere_negative(self):
         energy = fitting.Energy(self.cells, fitting.weights(self.cells, self.phi, 0.02), self.rational)
         for variables in ("coarse", "full"):
@@ -395,6 +418,7 @@ class Fitting(unittest.TestCase):
         with self.assertRaises(KeyboardInterrupt):
             energy.minimise(self.rational, progress=lambda phase, share: False)
 
+    # Promise: The parts of a fit: charges, monopoles, energy, gradient ...
     def test_a_rational_is_a_map(self):
         import tempfile
         np.testing.assert_allclose(self.rational.log_moduli(self.cells), self.by_hand(self.rational), atol=1e-10)
@@ -410,6 +434,7 @@ class Fitting(unittest.TestCase):
             points = self.cells[:50]
             np.testing.assert_allclose(field((points * field.space[1]) + field.space[0]), self.rational.log_moduli(points), atol=1e-9)
 
+    # Promise: The parts of a fit: charges, monopoles, energy, gradient ...
     def test_blue_noise_is_spread_over_the_surface(self):
         points = fitting.blue_noise(self.points, self.triangles, 60, seed=5)
         self.assertTrue((np.abs(np.linalg.norm(points, axis=1) - 0.4) < 0.02).all())
@@ -418,6 +443,7 @@ class Fitting(unittest.TestCase):
         loose *= 0.4 / np.linalg.norm(loose, axis=1)[:, None]
         self.assertGreater(distances.min(), 2 * (np.linalg.norm(loose[:, None] - loose[None], axis=2) + 9 * np.eye(60)).min())
 
+    # Promise: The parts of a fit: charges, monopoles, energy, gradient ...
     def test_what_is_no_surface(self):
         for call, words in ((lambda: fitting.charge(self.points, None), "both"),
                             (lambda: fitting.charge(self.points, self.triangles + 9999), "uses vertex"),

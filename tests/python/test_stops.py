@@ -38,6 +38,8 @@ except KeyboardInterrupt as error:
 @unittest.skipUnless(juliavdb, "the Python module was not built, or there is no numpy")
 class Stops(unittest.TestCase):
 
+    # Promise: "other threads run meanwhile"; Ctrl-C ...
+    # Promise: Ctrl-C and SIGTERM end with 75 ...
     def test_ctrl_c_stops_within_a_second(self):
         with tempfile.TemporaryDirectory(prefix="juliavdb_test_") as folder:
             for _ in range(2):
@@ -53,6 +55,8 @@ class Stops(unittest.TestCase):
                 self.assertIn("KeyboardInterrupt", err)
                 self.assertEqual(os.listdir(folder), [])
 
+    # Promise of python.md: `progress` is called "in the thread of the call and at most 20 times a second for each phase", and
+    #   cancels
     def test_a_callback_hears_of_the_phases_in_its_own_thread(self):
         heard = []
 
@@ -69,6 +73,7 @@ class Stops(unittest.TestCase):
             self.assertTrue(all(0 <= share <= 1 for share in shares), phase)
         self.assertTrue(any(share for _, share in heard), "some share is told")
 
+    # Promise: `progress` is called "in the thread ..."
     def test_a_callback_is_called_at_most_twenty_times_a_second_for_each_phase(self):
         """A machine that is busy calls it less often, and never more."""
         heard = []
@@ -79,6 +84,7 @@ class Stops(unittest.TestCase):
             times = [when for name, when in heard if name == phase]
             self.assertLessEqual(len(times) - 2, 20 * (times[-1] - times[0]), phase)
 
+    # Promise: `progress` is called "in the thread ..."
     def test_a_callback_cancels(self):
         begun = time.process_time()
         with self.assertRaisesRegex(KeyboardInterrupt, "nothing was written"):
@@ -95,6 +101,7 @@ class Stops(unittest.TestCase):
         with self.assertRaisesRegex(LookupError, "mine"):
             juliavdb.fractal(**LONG, progress=progress)
 
+    # Promise of python.md: "other threads run meanwhile"; Ctrl-C stops a call and "nothing is written"
     def test_other_threads_run_meanwhile(self):
         counted, over = [0], threading.Event()
 
@@ -115,6 +122,7 @@ class Stops(unittest.TestCase):
         # Were the lock held, it would have counted once or twice.
         self.assertGreater(counted[0], 20 * seconds)
 
+    # Promise of python.md: Other threads "may use the same result"
     def test_two_threads_write_one_fractal(self):
         """Its grids are made by one of them; the files are those that a single thread writes."""
         with tempfile.TemporaryDirectory(prefix="juliavdb_test_") as folder:
@@ -139,6 +147,7 @@ class Stops(unittest.TestCase):
             for name in names[:4]:
                 self.assertEqual((path / name).read_bytes(), alone)
 
+    # Promise: "other threads run meanwhile"; Ctrl-C ...
     def test_two_threads_work_at_once(self):
         alone = juliavdb.fractal(**SHORT).vertices
         found = [None, None]

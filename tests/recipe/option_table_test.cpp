@@ -136,6 +136,7 @@ std::string refusal(const std::set<std::string>& given, const std::vector<Option
   return {};
 }
 
+// Promise: "Where an option can do nothing", an option ...
 TEST(OptionTable, WhatWasGivenHasAnEffectInOneOfTheRunsAtLeast) {
   const OptionRun vdb{{}, {Product::Vdb}}, mesh{{}, {Product::Mesh}}, fast{{{"fast", "true"}}, {Product::Vdb}};
   EXPECT_EQ(refusal({}, {vdb}), "");
@@ -153,6 +154,7 @@ TEST(OptionTable, WhatWasGivenHasAnEffectInOneOfTheRunsAtLeast) {
   EXPECT_NE(refusal({"stride", "both"}, {fast}).find("--both"), std::string::npos);
 }
 
+// Promise: "Where an option can do nothing", an option ...
 TEST(OptionTable, AnOptionThatIsKeptForAnotherVariantHasNoEffect) {
   const OptionRun ball{{{"sides", "3"}}, {Product::Mesh}}, box{{{"shape", "box"}, {"sides", "3"}}, {Product::Mesh}};
   EXPECT_NO_THROW(tableOfEffects().requireFits(ball.recipe));

@@ -32,6 +32,7 @@ TEST(VariedOption, ListsAreTakenAsTheyStand) {
   EXPECT_EQ(values("a=b"), (Values{"a=b"})) << "only the first equals sign ends the name";
 }
 
+// Promise: A range of values goes "from A to B ..."
 TEST(VariedOption, SemicolonsLetValuesHoldCommas) {
   const Values expected{"0,0,0", "0.1,0,0"};
   EXPECT_EQ(values("0,0,0;0.1,0,0"), expected);
@@ -39,6 +40,7 @@ TEST(VariedOption, SemicolonsLetValuesHoldCommas) {
   EXPECT_EQ(values("0,0,0;"), (Values{"0,0,0"}));
 }
 
+// Promise: A range of values goes "from A to B ..."
 TEST(VariedOption, RangesStopAtTheirEnd) {
   EXPECT_EQ(values("10:40:10"), (Values{"10", "20", "30", "40"}));
   EXPECT_EQ(values("10:45:10"), (Values{"10", "20", "30", "40"}));
@@ -49,6 +51,8 @@ TEST(VariedOption, RangesStopAtTheirEnd) {
   EXPECT_EQ(values("2:11"), (Values{"2:11"})) << "two numbers are a value of some options";
 }
 
+// Promise of controls.md: A range of values goes "from A to B in steps, computed in decimals"; a semicolon lets values
+//   hold commas
 TEST(VariedOption, RangesAreExactDecimals) {
   for (const int places : {1, 2, 3, 5, 9}) {
     std::int64_t one = 1;

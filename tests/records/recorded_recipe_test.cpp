@@ -39,6 +39,8 @@ class RecordedRecipeTest : public testing::Test {
   Monitor mMonitor;
 };
 
+// Promise: "a run from a recipe refuses ..."
+// Promise: "Every file that a source ..."
 TEST_F(RecordedRecipeTest, EveryFileIsHashedAndAnotherOneIsRefused) {
   for (const char* control : {"alpha", "beta"}) {
     SCOPED_TRACE(control);

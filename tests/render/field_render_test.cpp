@@ -141,6 +141,7 @@ TEST(FieldRender, AnEdgeGetsMoreRaysAndIsSmoother) {
   EXPECT_EQ(renderedField(set, options).rays, static_cast<std::uint64_t>(kSide * kSide));
 }
 
+// Promise of pictures.md: `render --field`: skipped space "does not change the picture"
 TEST(FieldRender, SkippingSavesMostAndChangesNothing) {
   for (const auto& c : {julia::Quaternion<double>{}, kRough}) {
     const Quadratic set(c);
@@ -439,6 +440,7 @@ FieldRenderOptions optionsFor(const Scene& scene, const BBoxd& region, int side)
   return options;
 }
 
+// Promise: `render --field`: skipped space ...
 TEST_F(FieldRenderScene, SkippingChangesNothingForAnyMap) {
   for (const Recipe& recipe : recipes()) {
     const Scene made = scene(recipe);

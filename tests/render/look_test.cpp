@@ -125,6 +125,7 @@ const std::set<Pass> kAll{Pass::Beauty, Pass::Normal, Pass::Depth, Pass::Albedo,
 
 double brightness(const Colour& colour) { return double(colour[0]) + double(colour[1]) + double(colour[2]); }
 
+// Promise: "All three have the same ..."
 TEST(Look, ABallHasTheLayersOfABall) {
   for (const Picture& picture : pictures()) {
     SCOPED_TRACE(picture.name);
@@ -158,6 +159,7 @@ TEST(Look, ABallHasTheLayersOfABall) {
   }
 }
 
+// Promise of pictures.md: "All three have the same camera, the same light and the same materials"
 TEST(Look, TheThreeRenderersShowOneLight) {
   Look look;
   look.ground = true;
@@ -187,6 +189,7 @@ TEST(Look, ExposureMultipliesTheLight) {
   }
 }
 
+// Promise of pictures.md#light-and-materials: `--background none`: a picture with alpha
 TEST(Look, AlphaPutsAPictureBeforeAnyBackground) {
   for (const Picture& picture : pictures()) {
     const Vec3d colour(0.1, 0.4, 0.9);
@@ -201,6 +204,7 @@ TEST(Look, AlphaPutsAPictureBeforeAnyBackground) {
   }
 }
 
+// Promise of pictures.md: `--ground` "is seen by its shadows alone"
 TEST(Look, AFloorIsSeenByItsShadowsAlone) {
   for (const Picture& picture : pictures()) {
     SCOPED_TRACE(picture.name);

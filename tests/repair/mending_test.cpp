@@ -100,6 +100,7 @@ Remedy remedyOf(const std::function<void()>& work) {
   return Remedy::None;
 }
 
+// Promise: `--repair`: "a flat opening ..."
 TEST_F(Mending, EveryOpenEdgeIsOnOneLoopAndCapsCloseTheMesh) {
   const Mesh sphere = makeSphere(1, 4);
   // Holes that touch in a point, lie apart, or are a single triangle.
@@ -125,6 +126,7 @@ TEST_F(Mending, EveryOpenEdgeIsOnOneLoopAndCapsCloseTheMesh) {
   }
 }
 
+// Promise of targets.md: `--repair`: "a flat opening gets a flat cap, and the mesh itself stays where it is"
 TEST_F(Mending, AFlatLoopIsSpannedByItsOwnArea) {
   // A star, which no fan covers, as the rim of a cup; more points than are spanned at once, and fewer.
   for (const int points : {40, 900}) {
@@ -165,6 +167,7 @@ TEST_F(Mending, HalfABallIsCappedWhereItIsCut) {
   }
 }
 
+// Promise of targets.md: The program says "how far the surface moved" by a repair, and what it capped
 TEST_F(Mending, RepairSaysWhatItCapped) {
   Monitor monitor;
   const Mesh holed = withoutTriangles(makeSphere(1, 4), [](const Vec3d& c) { return std::abs(c[2]) > 0.8; });
@@ -196,6 +199,8 @@ TEST_F(Mending, RepairOfWhatIsNoSolidPointsElsewhere) {
   EXPECT_EQ(remedyOf([&] { vdbtools::meshToSdf(hills(), options, monitor); }), Remedy::SolidifySheet);
 }
 
+// Promise: `--repair`, `--solidify`, `--thicken` and `--points-radius` ...
+// Promise: Terrain: "Up is the axis ..."
 TEST_F(Mending, TerrainBecomesABlock) {
   const double depth = 0.2;
   const Mesh whole = hills();
@@ -214,6 +219,8 @@ TEST_F(Mending, TerrainBecomesABlock) {
   EXPECT_GT(reportMesh(filled).volume, volumeBelow(holed, depth) + 0.1 * depth) << "repair caps the hole";
 }
 
+// Promise of targets.md: Terrain: "Up is the axis along which the mesh shows the largest area, and down is the opposite
+//   direction", `--solidify z:0.2` names it, and "Holes in the terrain become shafts"
 TEST_F(Mending, TheAxisThatIsUp) {
   for (int axis = 0; axis < 3; ++axis) {
     Mesh turned = hills();
@@ -226,6 +233,7 @@ TEST_F(Mending, TheAxisThatIsUp) {
   EXPECT_THROW(vdbtools::solidified(makeCube(), {.depth = 1}, false), DataError) << "nothing is open";
 }
 
+// Promise: Terrain: "Up is the axis ..."
 TEST_F(Mending, AnOverhangingMeshGetsABaseBelowItsRimOnly) {
   // A ball with a flat opening at the bottom: a plinth of the opening's width.
   const Mesh open = withoutTriangles(makeSphere(1, 4), [](const Vec3d& c) { return c[1] < -0.8; });
@@ -239,6 +247,7 @@ TEST_F(Mending, AnOverhangingMeshGetsABaseBelowItsRimOnly) {
   EXPECT_LT(widest, 0.7) << "the equator has no base";
 }
 
+// Promise: `--repair`, `--solidify`, `--thicken` and `--points-radius` ...
 TEST_F(Mending, AThickenedSheetIsWhatLiesNearIt) {
   Mesh square{.points = {Vec3d(-1, 0, -1), Vec3d(1, 0, -1), Vec3d(1, 0, 1), Vec3d(-1, 0, 1)},
               .triangles = {{0, 1, 2}, {0, 2, 3}}};
@@ -254,6 +263,7 @@ TEST_F(Mending, AThickenedSheetIsWhatLiesNearIt) {
   }
 }
 
+// Promise: `--repair`, `--solidify`, `--thicken` and `--points-radius` ...
 TEST_F(Mending, PointsBecomeBalls) {
   Mesh points;
   points.points = {Vec3d(0), Vec3d(1.5, 0, 0), Vec3d(0, 1, 0)};
@@ -275,6 +285,7 @@ TEST_F(Mending, PointsBecomeBalls) {
   EXPECT_NEAR(insideVolume(*field(one, {.pointsRadius = 0.5}, 0.02)), 4 * kPi / 3 / 8, 0.01);
 }
 
+// Promise of targets.md: "`info` reports the spacing of the points"
 TEST_F(Mending, TheSpacingOfPoints) {
   std::vector<Vec3d> line;
   for (int i = 0; i < 1000; ++i) line.emplace_back(0.25 * i, 3, 4);
@@ -284,6 +295,7 @@ TEST_F(Mending, TheSpacingOfPoints) {
   EXPECT_EQ(vdbtools::pointSpacing({Vec3d(1)}), 0);
 }
 
+// Promise of targets.md: A plate "has to be two voxels of `--sdf-resolution` thick", or it is refused
 TEST_F(Mending, OptionsOutOfTheirDomain) {
   const vdbtools::OptionTable table(vdbtools::mendOptionSpecs());
   const auto parse = [&](const vdbtools::Recipe& recipe) {

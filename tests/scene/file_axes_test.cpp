@@ -22,6 +22,7 @@ using openvdb::Vec3s;
 
 const Vec3d kPoint(1.25, -2.5, 0.75);
 
+// Promise of handoff.md: The turn "only exchanges coordinates, so that nothing is rounded"; "the voxels are the same"
 TEST(UpTurn, IsAnExactTurnThatTakesUpToUp) {
   for (const UpAxis from : {UpAxis::Y, UpAxis::Z})
     for (const UpAxis to : {UpAxis::Y, UpAxis::Z}) {
@@ -39,6 +40,7 @@ TEST(UpTurn, IsAnExactTurnThatTakesUpToUp) {
     }
 }
 
+// Promise: The table of `--up` and formats; "The metadata ..."
 TEST(FileAxes, FollowTheRuleAndGlbHasYUpAlways) {
   const FileFormat* const kFormats[] = {&meshFormat(".ply"), &meshFormat(".obj"), &meshFormat(".stl"),
                                         &meshFormat(".glb")};
@@ -58,6 +60,7 @@ TEST(FileAxes, FollowTheRuleAndGlbHasYUpAlways) {
   }
 }
 
+// Promise: The turn "only exchanges ..."
 TEST(FileAxes, MeshesAreTurnedWhateverTheirPieces) {
   Mesh mesh = test_meshes::makeSphere(1, 2, kPoint), turned = mesh;
   computeNormals(mesh);
@@ -93,6 +96,8 @@ TEST(FileAxes, MeshesAreTurnedWhateverTheirPieces) {
   }
 }
 
+// Promise: The turn "only exchanges ..."
+// Promise of handoff.md: A VDB with Y up has a "creator" that begins with "Houdini", and one with Z up has not
 TEST(FileAxes, VdbsAreTurnedThroughTheirTransforms) {
   const TemporaryFolder folder;
   const FloatGrid::Ptr grid = test_fields::bandGrid(

@@ -31,6 +31,7 @@ Scene sceneOf(const Mesh& mesh) {
   return makeScene(optionsFor(mesh), monitor);
 }
 
+// Promise: A target of arrays is as good ...
 TEST(MemoryTarget, MakesTheFractalOfItsFile) {
   openvdb::initialize();
   const TemporaryFolder folder;
@@ -51,6 +52,7 @@ TEST(MemoryTarget, MakesTheFractalOfItsFile) {
   EXPECT_EQ(fromFile.metadata.at("julia_space_scale"), fromMemory.metadata.at("julia_space_scale"));
 }
 
+// Promise: A target of arrays is as good ...
 TEST(MemoryTarget, ItsHashChangesWithEveryPartOfTheMesh) {
   const Mesh mesh = test_meshes::makeCube();
   Mesh moved = mesh, turned = mesh;

@@ -171,6 +171,8 @@ class RandomRecipes {
   std::vector<Recipe> mTargets;
 };
 
+// Promise of design.md: "What was made before changes nothing: a frame of a sequence, a cell of a sheet, a scene of
+//   `explore` and a task of a plan have the bytes that their recipe has alone, in any order and in any company"
 TEST_F(SceneHistory, RandomRecipesAreWhatTheyAreAlone) {
   const std::string mesh = write("snowman.obj", snowman());
   const std::string open = write("open.obj", withoutTriangles(snowman(), [](const Vec3d& at) { return at[1] > 0.8; }));
@@ -199,6 +201,7 @@ TEST_F(SceneHistory, RandomRecipesAreWhatTheyAreAlone) {
   EXPECT_GT(expectNoHistory(recipes), kCount / 2);
 }
 
+// Promise: "What was made before changes ..."
 TEST_F(SceneHistory, NeitherTheOrderNorTheCompanyOfDepthsMatters) {
   const std::string mesh = write("snowman.obj", snowman());
   std::vector<std::string> depths{"0.1", "0.3", "0.5"};
@@ -211,6 +214,7 @@ TEST_F(SceneHistory, NeitherTheOrderNorTheCompanyOfDepthsMatters) {
 }
 
 // The thickness of a target is remembered for a few depths of detail, and an expression asks for another one.
+// Promise: "What was made before changes ..."
 TEST_F(SceneHistory, ManyDepthsAndAnExpressionOfTheThickness) {
   const std::string mesh = write("snowman.obj", snowman());
   std::vector<Recipe> recipes;
@@ -223,6 +227,7 @@ TEST_F(SceneHistory, ManyDepthsAndAnExpressionOfTheThickness) {
   EXPECT_EQ(expectNoHistory(recipes), 12);
 }
 
+// Promise of explore.md: A target or a control "whose file changes" is read again within a running program
 TEST_F(SceneHistory, AFileThatHasChangedIsReadAgain) {
   const std::string mesh = write("target.obj", snowman()), painter = write("near.obj", makeSphere(0.3, 2));
   const Recipe recipe{
@@ -240,6 +245,7 @@ TEST_F(SceneHistory, AFileThatHasChangedIsReadAgain) {
   EXPECT_TRUE(third == alone(recipe));
 }
 
+// Promise: "What was made before changes ..."
 TEST_F(SceneHistory, ASceneThatWasInterruptedLeavesNothingBehind) {
   /// Cancels the work in one of its phases.
   struct Stops final : Monitor {

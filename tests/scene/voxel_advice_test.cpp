@@ -66,6 +66,7 @@ class VoxelAdviceTest : public testing::Test {
   Monitor mMonitor;
 };
 
+// Promise: "Files above 1 GiB are refused ..."
 TEST_F(VoxelAdviceTest, TheResolutionThatFitsIsTheFinestThatDoes) {
   const std::string input = plate(0.2);
   const auto fitting = [&](double resolution, double bytes) {
@@ -85,6 +86,7 @@ TEST_F(VoxelAdviceTest, TheResolutionThatFitsIsTheFinestThatDoes) {
   EXPECT_EQ(fitting(40, 0), 0);
 }
 
+// Promise: Where "more than a quarter ..."
 TEST_F(VoxelAdviceTest, TheWidthOfAKnownTextureIsFound) {
   const Scene made = scene({{"input", plate(0.2)}});
   for (const double length : {0.3, 0.04, 0.005}) {
@@ -98,6 +100,7 @@ TEST_F(VoxelAdviceTest, TheWidthOfAKnownTextureIsFound) {
   }
 }
 
+// Promise: Where "more than a quarter ..."
 TEST_F(VoxelAdviceTest, TwiceTheFrequencyIsHalfTheWidth) {
   const std::string path = plate(0.2);
   for (const char* versor : {"scales", "coral", "quills"}) {
@@ -112,6 +115,7 @@ TEST_F(VoxelAdviceTest, TwiceTheFrequencyIsHalfTheWidth) {
   }
 }
 
+// Promise: Where the core that detail ...
 TEST_F(VoxelAdviceTest, TheCoreOfAPlateIsWhatDetailLeavesOfItsThickness) {
   for (const double thickness : {0.05, 0.1})
     for (const double detail : {0.5, 0.8, 0.9}) {
@@ -125,6 +129,7 @@ TEST_F(VoxelAdviceTest, TheCoreOfAPlateIsWhatDetailLeavesOfItsThickness) {
     }
 }
 
+// Promise: Where "more than a quarter ..."
 TEST_F(VoxelAdviceTest, TheVoxelsThatAreNamedDo) {
   for (const char* detail : {"0.3", "0.9"}) {
     const Scene made = scene({{"input", plate(0.08)}, {"detail", detail}});
@@ -152,6 +157,7 @@ TEST_F(VoxelAdviceTest, NothingIsSaidOfAPlainTarget) {
   EXPECT_FALSE(scene({{"map", "quadratic"}}).features());
 }
 
+// Promise of design.md: What is measured depends "on no lattice of the result"
 TEST_F(VoxelAdviceTest, IsTheSameForAnyNumberOfThreadsAndAnyLattice) {
   const std::string path = plate(0.1);
   const auto sizes = [&](const char* voxel, int threads) {
@@ -169,6 +175,7 @@ TEST_F(VoxelAdviceTest, IsTheSameForAnyNumberOfThreadsAndAnyLattice) {
   EXPECT_EQ(sizes("0.01", 2), one);
 }
 
+// Promise: "The recipe holds the number ..."
 TEST_F(VoxelAdviceTest, AutomaticIsTheNumberThatShowsTheTextureAndIsRecorded) {
   const Recipe recipe{{"input", plate(0.04)}, {"frequency", "4"}, {"resolution", "auto"}};
   const Scene made = scene(recipe);
@@ -188,6 +195,7 @@ TEST_F(VoxelAdviceTest, AutomaticIsTheNumberThatShowsTheTextureAndIsRecorded) {
   EXPECT_EQ(made.field.arithmetic, again.field.arithmetic);
 }
 
+// Promise: "The recipe holds the number ..."
 TEST_F(VoxelAdviceTest, AutomaticKeepsWithinMemoryAndItsBounds) {
   const std::string path = plate(0.04);
   const double all = scene({{"input", path}, {"resolution", "auto"}}).chosenResolution->resolution;

@@ -58,6 +58,8 @@ bool same(const SpacedPoints& a, const SpacedPoints& b) {
   });
 }
 
+// Promise of points.md: "No two points are nearer than S. On a mesh, no place is farther than 1.1 S from a point";
+//   "Exactly N points"
 TEST(SpacedPoints, KeepTheirDistanceAndLeaveNoGap) {
   vdbtools::Monitor monitor;
   // Triangles much larger than the spacing, and much smaller; and a size and a place of their own.
@@ -75,6 +77,7 @@ TEST(SpacedPoints, KeepTheirDistanceAndLeaveNoGap) {
   }
 }
 
+// Promise: "No two points are nearer ..."
 TEST(SpacedPoints, ComeInTheNumberThatIsWanted) {
   vdbtools::Monitor monitor;
   const Mesh mesh = withNormals(makeSphere(1, 4));
@@ -95,6 +98,7 @@ TEST(SpacedPoints, ComeInTheNumberThatIsWanted) {
   EXPECT_THROW(vdbtools::pointsBySpacing(mesh, 1e-6, {}, monitor), std::invalid_argument);
 }
 
+// Promise: "the same one gives the same ..."
 TEST(SpacedPoints, AreTheSameForAnyNumberOfThreadsAndOthersForAnotherSeed) {
   vdbtools::Monitor monitor;
   const Mesh mesh = withNormals(makeSphere(1, 5));
@@ -111,6 +115,7 @@ TEST(SpacedPoints, AreTheSameForAnyNumberOfThreadsAndOthersForAnotherSeed) {
 }
 
 // A coarse ball that stands for a true one, of which a cap is missing.
+// Promise: "No two points are nearer ..."
 TEST(SpacedPoints, KeepTheirDistanceWhereTheyWereMovedTo) {
   vdbtools::Monitor monitor;
   const Mesh mesh = withNormals(makeSphere(1, 2));

@@ -89,6 +89,7 @@ double tolerance(const Mesh& mesh, double distance) {
   return 1e-6 * (1 + distance) + 2e-7 * box.extents().length();
 }
 
+// Promise of design.md: A node "has the distance to the nearest of all triangles"
 TEST(TriangleTree, BlocksHaveTheDistancesToAllTriangles) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> near(-5, 5), far(-40, 40), node(0, 511);
@@ -112,6 +113,7 @@ TEST(TriangleTree, BlocksHaveTheDistancesToAllTriangles) {
   }
 }
 
+// Promise: A node "has the distance ..."
 TEST(TriangleTree, NeitherFramesNorEarlierQueriesChangeABit) {
   std::mt19937 random(11);
   std::uniform_int_distribution<int> place(-9, 9);
@@ -161,6 +163,7 @@ TEST(TriangleTree, NodesWithinReachAreNeverLeftOut) {
   }
 }
 
+// Promise: "any size of a batch, and any ..."
 TEST(TriangleTree, AllInstructionSetsGiveTheSameBits) {
   const julia::InstructionSet best = julia::instructionSet();
   for (const Case& c : cases()) {

@@ -41,6 +41,7 @@ class Laws(unittest.TestCase):
         for mesh in (harness.sphere(2), harness.torus(), shapes.hollow()):
             check(mesh)
 
+    # Promise: The laws of random recipes, that their ...
     def test_bad_meshes(self):
         points, faces = harness.sphere(2)
         self.broken("closed", (points, faces[1:]))
@@ -64,6 +65,7 @@ class Laws(unittest.TestCase):
         points, faces = harness.sphere(2)
         self.broken("closed", (points, faces[1:]), BOXED)  # away from the border
 
+    # Promise: The laws of random recipes, that their ...
     def test_grids(self):
         place = ((0, 0, 0), (0, 0, 0)), ((0, 0, 1), (0, 0, 1))
         laws.check_grids({"logmodulus": {place[0]: 1.0}}, {"logmodulus": {place[0]: 1.0, place[1]: 2.0}})
@@ -80,6 +82,7 @@ class Recipes(unittest.TestCase):
                          for k, (argument, text) in enumerate((("", "a flag"), ("N", "a number"), ("X,Y,Z", "a place"),
                                                                ("a|b", "a choice"), ("LIST", "a list of p, q")))]}
 
+    # Promise: The laws of random recipes, that their ...
     def test_an_option_that_nobody_knows_takes_part(self):
         seen = {}
         for number in range(300):
@@ -91,6 +94,7 @@ class Recipes(unittest.TestCase):
         self.assertEqual(seen["new-3"], {"a", "b"})
         self.assertEqual(seen["new-4"], {"p", "q", "p,q", "q,p"})
 
+    # Promise: The laws of random recipes, that their ...
     def test_a_number_is_always_the_same_recipe(self):
         draw = lambda: recipes.Draw("3:8", self.known, []).recipe()
         self.assertEqual(draw(), draw())

@@ -30,6 +30,7 @@ TEST(PowerLaw, OfAnExactLawIsThatLaw) {
 }
 
 // Of a law with noise of a normal distribution, the true exponent lies in 95 of 100 intervals.
+// Promise: "`juliavdb study --dimension N,N,...` ..."
 TEST(PowerLaw, IntervalsHoldTheTrueExponentAsOftenAsTheySay) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0, 0.03);
@@ -81,6 +82,7 @@ class Dimension : public testing::Test {
   std::string mBall;
 };
 
+// Promise: "`juliavdb study --dimension N,N,...` ..."
 TEST_F(Dimension, OfAPlainSphereIsTwo) {
   const PowerLaw law = growthLaw(rows({{"mask", "0"}}));
   EXPECT_NEAR(law.exponent, 2, 0.02);

@@ -75,6 +75,7 @@ class StudyTest : public testing::Test {
   Monitor mMonitor;
 };
 
+// Promise: A texture of a study is the slice ...
 TEST_F(StudyTest, CountsTheSetsThatTheJobMakes) {
   const std::string input = lumpy();
   const std::vector<Recipe> recipes{
@@ -121,6 +122,7 @@ TEST_F(StudyTest, EachVersorHasItsOwnArithmetic) {
   EXPECT_EQ(study(first, plane, 8).inside, sum);
 }
 
+// Promise: The lines of the study's ...
 TEST_F(StudyTest, OneIterationIsTheTarget) {
   const Scene made = scene({{"input", lumpy()}, {"iterations", "1"}});
   const SlicePlane plane = planeOf(made, 50);

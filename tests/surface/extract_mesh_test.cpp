@@ -40,6 +40,7 @@ Extracted extract(const julia::FieldEvaluator& evaluator, const BBoxd& box, doub
   return result;
 }
 
+// Promise: A mesh is "closed, 2-manifold, oriented ..."
 TEST(ExtractMesh, AllCornerSignsGiveClosedManifolds) {
   openvdb::initialize();
   for (unsigned signs = 0; signs < 256; ++signs) {
@@ -59,6 +60,7 @@ TEST(ExtractMesh, AllCornerSignsGiveClosedManifolds) {
   }
 }
 
+// Promise: A mesh is "closed, 2-manifold, oriented ..."
 TEST(ExtractMesh, RandomFieldsGiveClosedManifolds) {
   for (unsigned seed = 1; seed <= 24; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -70,6 +72,7 @@ TEST(ExtractMesh, RandomFieldsGiveClosedManifolds) {
   }
 }
 
+// Promise of design.md: "Every vertex is within the tolerance of *a* change of sign on its edge"
 TEST(ExtractMesh, EveryVertexBracketsAChangeOfSign) {
   for (const double tolerance : {0.1, 1e-3, 1e-7}) {
     const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 99); });
@@ -118,6 +121,8 @@ class WatchedEdge final : public julia::FieldEvaluator {
   mutable int mAsked = 0;
 };
 
+// Promise of design.md: The search on an edge stays in its bracket, "and never needs more than two evaluations above
+//   bisection"
 TEST(ExtractMesh, ASearchKeepsToItsBracketAndTakesAtMostTwoEvaluationsMoreThanBisection) {
   std::mt19937_64 random(5);
   for (int round = 0; round < 200; ++round) {
@@ -142,6 +147,7 @@ TEST(ExtractMesh, ASearchKeepsToItsBracketAndTakesAtMostTwoEvaluationsMoreThanBi
   }
 }
 
+// Promise: "Every vertex is within the tolerance ..."
 TEST(ExtractMesh, EveryCrossingEdgeOfTheDomainHasItsVertex) {
   const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 7) + 0.2; });
   const openvdb::CoordBBox domain(Coord(-9), Coord(10));
@@ -156,6 +162,7 @@ TEST(ExtractMesh, EveryCrossingEdgeOfTheDomainHasItsVertex) {
   EXPECT_EQ(result.mesh.points.size(), crossings);
 }
 
+// Promise: "With `--box` it ends at the box" ...
 TEST(ExtractMesh, OpenEdgesLieOnTheDomainsBorderOnly) {
   const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 3); });
   const Extracted result = extract(evaluator, BBoxd(Vec3d(-9), Vec3d(10)), 1e-3, Border::Open);
@@ -175,6 +182,7 @@ TEST(ExtractMesh, OpenEdgesLieOnTheDomainsBorderOnly) {
   EXPECT_GT(open, 0u);
 }
 
+// Promise of design.md: "neither tiles nor threads nor batches leave a trace" in a mesh
 TEST(ExtractMesh, TheMeshOfPartIsPartOfTheMesh) {
   const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 5); });
   const Extracted whole = extract(evaluator, BBoxd(Vec3d(-9), Vec3d(10)), 1e-3, Border::Open);
@@ -206,6 +214,7 @@ TEST(ExtractMesh, WithoutItsCapsACappedMeshIsTheOpenOne) {
   }
 }
 
+// Promise: "neither tiles nor threads ..."
 TEST(ExtractMesh, ThreadsDoNotMatter) {
   const NodeEvaluator evaluator([](const Coord& node) { return noise(node, 11); });
   Mesh meshes[2];
@@ -273,6 +282,8 @@ TEST(MeshOfLevelSet, RefusesAGridWithoutASurface) {
 }
 
 // A thick shell: its hollow is outside, though no flood from outside reaches it.
+// Promise of targets.md: Distances of `sdf` of a VDB "are exact for that surface at any distance", "at its own voxels,
+//   with its own signs"
 TEST(Redistanced, IsExactAtAnyWidthAndKeepsTheSigns) {
   const auto shell = [](const Vec3d& x) { return std::abs(x.length() - 0.4) - 0.15; };
   const double h = 0.025, reach = 10 * h;

@@ -77,12 +77,15 @@ class BandOfATarget : public testing::Test {
   Monitor mMonitor;
 };
 
+// Promise of design.md: "A scene therefore gets a band of its own widths, to the bit, however much wider the distances
+//   are that it is cut out of"
 TEST_F(BandOfATarget, OfMeshes) {
   const Mesh two = merged(makeSphere(1, 3), makeSphere(0.4, 3, Vec3d(1.2, 0.3, 0.1)));
   for (const Mesh& mesh : {two, makeSoup(makeSphere(1, 4, Vec3d(7, 0, -2)), 0.01), makeCube()})
     expectOneBandFor(*openTarget(optionsOf(mesh, {}), mMonitor));
 }
 
+// Promise: "A scene therefore gets a band ..."
 TEST_F(BandOfATarget, OfMendedMeshes) {
   const auto top = [](const Vec3d& at) { return at[1] > 0.5; };
   const Mesh open = withoutTriangles(makeSphere(1, 3), top);
@@ -92,6 +95,7 @@ TEST_F(BandOfATarget, OfMendedMeshes) {
 }
 
 // A repair that moves the surface far says the same of it in each band.
+// Promise: "A scene therefore gets a band ..."
 TEST_F(BandOfATarget, OfMeshesWithPartsThatBoundNothing) {
   const Mesh sheet =
       withoutTriangles(makeSphere(0.3, 3, Vec3d(0, 1.5, 0)), [](const Vec3d& at) { return at[1] > 1.3; });
@@ -101,6 +105,7 @@ TEST_F(BandOfATarget, OfMeshesWithPartsThatBoundNothing) {
       mMonitor));
 }
 
+// Promise: "A scene therefore gets a band ..."
 TEST_F(BandOfATarget, OfVdbs) {
   for (const FloatGrid::Ptr& grid :
        {test_fields::bandGrid(test_fields::lumpy, 0.04, 0.12, 0.12),
@@ -148,6 +153,8 @@ class ChosenSdfResolution : public BandOfATarget {
   }
 };
 
+// Promise of options.md: "`auto`, the default, takes 200 voxels along the longest side, or as many as give thin parts 8
+//   voxels"
 TEST_F(ChosenSdfResolution, ThinPartsHaveEightVoxels) {
   EXPECT_EQ(chosenFor(Vec3d(1)), kUsualSdfResolution);
   EXPECT_EQ(chosenFor(Vec3d(1, 0.7, 0.5)), kUsualSdfResolution);
@@ -161,6 +168,7 @@ TEST_F(ChosenSdfResolution, ThinPartsHaveEightVoxels) {
   }
 }
 
+// Promise of design.md: "no more than 400,000 on the surface, a limit that is the same on every machine"
 TEST_F(ChosenSdfResolution, TheSurfaceHasNoMoreVoxelsThanTheLimit) {
   constexpr double kThin = 0.01, kArea = 3 * (2 + 4 * kThin);
   TargetOptions options = boxOf(Vec3d(1));
@@ -173,6 +181,7 @@ TEST_F(ChosenSdfResolution, TheSurfaceHasNoMoreVoxelsThanTheLimit) {
   EXPECT_NEAR(kArea * chosen * chosen, 400'000, 0.1 * 400'000);
 }
 
+// Promise: "`auto`, the default, takes ..."
 TEST_F(ChosenSdfResolution, DistancesHaveTheVoxelsOfTheSameNumberGiven) {
   TargetOptions options = boxOf(Vec3d(1, 0.015, 0.02));
   const std::unique_ptr<const TargetInput> chooses = openTarget(options, mMonitor);

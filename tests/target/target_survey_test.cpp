@@ -22,6 +22,7 @@ openvdb::FloatGrid::Ptr surveyedBall() {
   return openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(kBallRadius, openvdb::Vec3f(kBallCentre), kBallVoxel);
 }
 
+// Promise: With `--box` the share that is left ...
 TEST(TargetSurvey, TheVolumeInABoxIsThatOfThePartThere) {
   const auto phi = surveyedBall();
   const double whole = insideVolume(*phi), far = 10;

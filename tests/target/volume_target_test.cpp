@@ -139,6 +139,8 @@ class VolumeTarget : public testing::Test {
   Monitor mMonitor;
 };
 
+// Promise of targets.md: "lengths such as the longest side are measured on the surface, not on the box of the grid"; a
+//   band whose voxels are no cubes "is resampled to cubes of the smallest side"; "Floats, doubles and halves are read"
 TEST_F(VolumeTarget, LengthsAreMeasuredOnTheSurfaceHoweverTheGridIsTurned) {
   for (const double voxel : {0.05, 0.02}) {
     const double band = 3 * voxel;
@@ -164,6 +166,7 @@ TEST_F(VolumeTarget, LengthsAreMeasuredOnTheSurfaceHoweverTheGridIsTurned) {
   }
 }
 
+// Promise: "lengths such as the longest ..."
 TEST_F(VolumeTarget, KindsOfLevelSets) {
   constexpr double kBand = 3 * kVoxel;
   expectBall(read(levelSet(cubes())), 1);
@@ -181,6 +184,7 @@ TEST_F(VolumeTarget, KindsOfLevelSets) {
   expectBall(read(levelSet(moved, kBand, far)), 1, 0.05, far);
 }
 
+// Promise: A fog volume's surface is "where ..."
 TEST_F(VolumeTarget, ASignThatIsTurnedRoundIsNamedAndCanBeTurnedBack) {
   const FloatGrid::Ptr right = levelSet(cubes()), turned = right->deepCopy(), rootsOnly = right->deepCopy();
   for (auto value = turned->beginValueAll(); value; ++value) value.setValue(-*value);
@@ -208,6 +212,9 @@ TEST_F(VolumeTarget, ASignThatIsTurnedRoundIsNamedAndCanBeTurnedBack) {
     ASSERT_EQ(*value, -dense->tree().getValue(value.getCoord()));
 }
 
+// Promise of targets.md: A fog volume's surface is "where its values are half of the largest one"; `--iso V` makes a
+//   target "of any other grid of numbers" and "moves the surface outwards by V"; `--invert` "reverses its sign before
+//   anything else"
 TEST_F(VolumeTarget, AFogVolumeIsSolidWhereItIsAboveHalfOfItsLargestValue) {
   for (const double most : {1.0, 70.0}) {
     const Target target = read(fog(cubes(), most));
@@ -235,6 +242,7 @@ TEST_F(VolumeTarget, WhatAFogVolumeEnclosesStaysHollow) {
   }
 }
 
+// Promise: A fog volume's surface is "where ..."
 TEST_F(VolumeTarget, AnyGridHasASurfaceAtAValue) {
   // A temperature of 20 outside, which rises to the centre.
   const FloatGrid::Ptr warm = gridOf(cubes(), 20, [](double distance) { return std::max(20.0, 60 - 100 * distance); });
@@ -251,6 +259,7 @@ TEST_F(VolumeTarget, AnyGridHasASurfaceAtAValue) {
   expectBall(read(unknown, {.isovalue = 0.5}), 1);
 }
 
+// Promise: A fog volume's surface is "where ..."
 TEST_F(VolumeTarget, AValueMovesTheSurfaceOfALevelSet) {
   for (const double distance : {-0.1, 0.0, 0.12}) {
     expectBall(read(levelSet(cubes()), {.isovalue = distance}), 1 + distance);
@@ -262,6 +271,7 @@ TEST_F(VolumeTarget, AValueMovesTheSurfaceOfALevelSet) {
     EXPECT_EQ(remedy(levelSet(cubes()), {.isovalue = beyond}), Remedy::GiveIsovalue);
 }
 
+// Promise: "lengths such as the longest ..."
 TEST_F(VolumeTarget, UnequalVoxelsBecomeCubesOfTheSmallestSide) {
   const Transform::Ptr sheared = cubes();
   sheared->preShear(0.4, openvdb::math::X_AXIS, openvdb::math::Y_AXIS);

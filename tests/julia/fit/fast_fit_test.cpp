@@ -189,6 +189,7 @@ TEST(FastFit, findsShapes) {
   }
 }
 
+// Promise of fitting.md: "0 and infinity must both attract"; a root inside is a top root, one outside a bottom root
 TEST(FastFit, powersArePositiveAndTheOriginAttracts) {
   for (const Known& known : knownTargets()) {
     const Rational& rational = knownFit(known).rational;
@@ -203,6 +204,7 @@ TEST(FastFit, powersArePositiveAndTheOriginAttracts) {
 }
 
 // A degree above 1 makes |R(q)| > |q| far away; the cells alone gave a cube one of -40, and infinity was a root.
+// Promise: "0 and infinity must both ..."
 TEST(FastFit, infinityAttracts) {
   Random random(5);
   for (const Known& known : knownTargets()) {
@@ -218,6 +220,8 @@ TEST(FastFit, infinityAttracts) {
   }
 }
 
+// Promise: In each stage of a fit "the roots ..."
+// Promise: "0 and infinity must both ..."
 TEST(FastFit, rootsKeepToTheirSides) {
   for (const Known& known : knownTargets()) {
     const Rational& rational = knownFit(known).rational;
@@ -284,6 +288,7 @@ TEST(FastFit, energiesNeverRiseWithinARound) {
   }
 }
 
+// Promise: In each stage of a fit "the roots ..."
 TEST(FastFit, movedRootsFitBetter) {
   for (const Known& known : knownTargets()) {
     FastFitOptions options = optionsOf(60);
@@ -346,6 +351,7 @@ TEST(FastFit, beginsWithTheRootsItIsGiven) {
   EXPECT_LE(rootCount(fastFitOf(target, options).rational), 3U);
 }
 
+// Promise: "Every seed is in the recipe", and no library ...
 TEST(FastFit, seedDecidesAndNothingElse) {
   const CellTarget target = targetOf(boxDistance({0.45, 0.3, 0.25}), 200);
   FastFitOptions options = optionsOf(20);

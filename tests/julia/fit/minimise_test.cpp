@@ -283,6 +283,7 @@ TEST(MoveRoots, reachIsTheFarthest) {
   }
 }
 
+// Promise: In each stage of a fit "the roots ..."
 TEST(MoveRoots, energiesFallForManyRoots) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     Rational rational = randomRational(seed, 4, 5);

@@ -262,6 +262,7 @@ double differenceQuotient(const Scene& scene, WideRational& rational, Wide& vari
   return static_cast<double>(Wide(above - below) / (2 * h));
 }
 
+// Promise: The gradient of a fit is that of Kim's ...
 TEST(ShapeEnergy, gradientIsThatOfDifferences) {
   for (Scene scene : gradientScenes())
     for (const double penalty : {0., 0.25}) {
@@ -287,6 +288,8 @@ std::vector<double> flattenedPlaces(const RationalGradient& gradient) {
   return all;
 }
 
+// Promise of fitting.md: In each stage of a fit "the roots also move", and "A root moves only where the distances of
+//   the cells prove that it stays on its side"
 TEST(ShapeEnergy, gradientByPlacesIsThatOfDifferences) {
   std::size_t tried = 0;
   for (const Scene& scene : gradientScenes()) {
@@ -379,6 +382,8 @@ std::vector<Wide> appendixA(const WideRational& rational, const Quaternion<Wide>
   return all;
 }
 
+// Promise of fitting.md: The gradient of a fit is that of Kim's appendix: "A test compares all this with the products
+//   of Appendix A in 128 bits"
 TEST(ShapeEnergy, gradientIsThatOfAppendixA) {
   for (const Scene& scene : gradientScenes()) {
     RationalGradient gradient;
@@ -418,6 +423,7 @@ Scene sphereScene(double radius) {
   return scene;
 }
 
+// Promise of fitting.md: psi "is -1 for a perfect match and 1 for the exact opposite"
 TEST(ShapeEnergy, isMinusOneForAPerfectMatchAndOneForItsOpposite) {
   for (const double radius : {0.3, 0.7, 1.2}) {
     Scene scene = sphereScene(radius);
@@ -428,6 +434,7 @@ TEST(ShapeEnergy, isMinusOneForAPerfectMatchAndOneForItsOpposite) {
   }
 }
 
+// Promise: psi "is -1 for a perfect ..."
 TEST(ShapeEnergy, isNeverBeyondOne) {
   Random random(21);
   for (std::uint64_t seed = 100; seed < 160; ++seed) {

@@ -88,6 +88,7 @@ TEST(BlueNoise, coversEvenly) {
   EXPECT_LT(farthest, densest(4 * std::numbers::pi, 4000));
 }
 
+// Promise: "Every seed is in the recipe", and no library ...
 TEST(BlueNoise, seedDecides) {
   const TriangleSurface surface = sphere(2);
   EXPECT_EQ(blueNoise(surface, 500, 1), blueNoise(surface, 500, 1));
