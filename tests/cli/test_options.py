@@ -82,13 +82,13 @@ RUNS = {
                ("--field", "s.obj", "-o", "f.png", "--size", "24x24", *LOW),
                ("--field", "--map", "cross", "-o", "f.exr", "--size", "12x12", "--resolution", 14),
                ("made.vdb", "-o", "f.####.png", "--size", "24x24", "--frames", "1-2", "--key", "zoom@1=1", "--key", "zoom@4=1.5")],
-    "fit": [("hollow.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
-            ("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17),
-            ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 9, "--resolution", 17),
-            ("turned.vdb", "--invert", "-o", "f.json", "--roots", 9, "--resolution", 17),
-            ("open.obj", "--repair", "-o", "f.json", "--schedule", "9(VF)", "--resolution", 17),
-            ("s.obj", "-o", "f.json", "--roots", 9, "--resolution", 17, "--charge", "g.ply")],
-    "info": [("s.obj",), ("made.vdb",)],
+    "fit": [("hollow.obj", "-o", "f.json", "--roots", 5, "--resolution", 17),
+            ("s.obj", "-o", "f.json", "--roots", 5, "--resolution", 17),
+            ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 5, "--resolution", 17),
+            ("turned.vdb", "--invert", "-o", "f.json", "--roots", 5, "--resolution", 17),
+            ("open.obj", "--repair", "-o", "f.json", "--schedule", "5(VF)", "--resolution", 17),
+            ("s.obj", "-o", "f.json", "--roots", 5, "--resolution", 17, "--charge", "g.ply")],
+    "info": [("rod.obj",), ("made.vdb",)],
     "maps": [()],
     "recipe": [("made.vdb",)],
     "usd": [("made.vdb", "-o", "f.usda"), ("--mesh", "s.obj", "-o", "f.usda"), ("grow.####.vdb", "-o", "f.usda", "--frames", "1-2")],
@@ -103,7 +103,7 @@ LOOK = {"up": "z", "alpha-clarity": "0.02", "delta": "2", "epsilon": "0.05", "az
         "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20", "material": "bronze", "light": "60,20",
         "sky": "0.2", "background": "#203040", "exposure": "1"}
 VALUES = {
-    "fit": {"method": "kim15", "resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "11(VF)",
+    "fit": {"method": "kim15", "resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "7(VF)",
             "smooth": "2", "triangles": "300", "target-iou": "0.3", "seed": "5", "start": "monopoles", "power-penalty": "0.01"},
     "print": {"longest-side": "50", "target-up": "z", "resolution": "22", "tolerance": "0.7", "islands": "2", "flat-base": "5",
               "min-thickness": "8", "thin": "drop"},
@@ -253,7 +253,7 @@ class Options(harness.CliTest):
         self.write("rest.obj", harness.obj((thin, faces)))
         # A thin rod across its box, because what a pose costs grows with the share of the box that it fills.
         axes = (3 ** -0.5, ) * 3, (2 ** -0.5, -2 ** -0.5, 0), (6 ** -0.5, 6 ** -0.5, -2 * 6 ** -0.5)
-        rod = [tuple(x * a + 0.15 * (y * b + z * c) for a, b, c in zip(*axes)) for x, y, z in points]
+        rod = [tuple(x * a + 0.1 * (y * b + z * c) for a, b, c in zip(*axes)) for x, y, z in points]
         self.write("rod.obj", harness.obj((rod, faces)))
         self.write("rod_rest.obj", harness.obj(([(x * (1.2 + 0.4 * y), y, z) for x, y, z in rod], faces)))
         self.write("bent.obj", harness.obj(test_motion.bent((points, faces), 30)))
@@ -528,7 +528,7 @@ class Numbers(harness.CliTest):
                 ("points", "s.obj", "-o", "p.ply", "--spacing", 0.3), ("points", "f.vdb", "-o", "q.ply", "--points", 90),
                 ("print", "f.vdb", "-o", "p.stl", "--longest-side", 60, "--min-thickness", 7, "--flat-base", 2, "--resolution", 30),
                 ("study", "s.obj", "--alpha", 20, "-o", "s.png", "--size", 16, "--versors", 3, *LOW),
-                ("fit", "s.obj", "-o", "r.json", "--schedule", "9(VF)", "--resolution", 17)]
+                ("fit", "s.obj", "-o", "r.json", "--schedule", "5(VF)", "--resolution", 17)]
         for words in runs:
             said = self.ok(*words)
             for number in re.findall(r"(?<![\w.])-?(\d*\.\d+)", said):
