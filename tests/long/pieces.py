@@ -272,7 +272,8 @@ class Runner:
                 print(f"{'-':8} {piece.name}")
                 continue
             seconds = f"{self.state.seconds(piece.name):.0f}" + (f" of {piece.goal:.0f}" if piece.goal else "") + " s"
-            print(f"{runs[-1]['outcome']:8} {piece.name}, {seconds}, {self.name_of(runs[-1])}{self.mark(runs)}, {runs[-1]['log']}")
+            last = runs[-1]
+            print(f"{last['outcome']:8} {piece.name}, {seconds}, {self.name_of(last)}{self.mark(runs)}, {last['log']}")
         if not whole:
             print(f"what comes then is known when '{pieces[-1].name}' has passed")
 
@@ -314,8 +315,9 @@ class Runner:
         facts = sorted({key for run in runs for key, value in run.items() if type(value) is int})
         many += "".join(f"; {sum(run.get(fact, 0) for run in runs):,} {fact}".replace(",", " ") for fact in facts)
         failed = [f"`{piece.name}`" for piece in own if self.outcome(piece) == FAILED]
-        return f"| {what} | {many} | {', '.join(f'`{name}`' for name in commits)} | {' to '.join(dict.fromkeys((dates[0], dates[-1])))} " \
-               f"| {', '.join(failed) or 'nothing'} |"
+        cells = (what, many, ", ".join(f"`{name}`" for name in commits), " to ".join(dict.fromkeys((dates[0], dates[-1]))),
+                 ", ".join(failed) or "nothing")
+        return f"| {' | '.join(cells)} |"
 
 
 TABLE_HEAD = "| what | how many | commit | date | found |\n|---|---|---|---|---|"
@@ -377,8 +379,8 @@ def work(checks, options, root=ROOT):
         with locked(folder):
             runner = Runner(check, folder, root)
             if runner.tree["changes"]:
-                print(f"{check.name}: this tree has changes that are not committed; results say '{runner.tree['commit']}+changes'",
-                      flush=True)
+                print(f"{check.name}: this tree has changes that are not committed; results say "
+                      f"'{runner.tree['commit']}+changes'", flush=True)
 
             def stop(number, _, runner=runner):
                 runner.signal = number
