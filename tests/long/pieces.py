@@ -197,7 +197,7 @@ class Runner:
             for command in piece.commands:
                 words = [str(word).replace("{seconds}", str(part)) if piece.goal else str(word) for word in command]
                 code = self.run_command(words, piece.environment, file, until)
-                if code is None:
+                if code is None or (code and self.signal):  # a machine that goes down ends both
                     return None
                 if code:
                     file.write(f"\nended with {code}: {' '.join(words)}\n")
