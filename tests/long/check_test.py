@@ -7,12 +7,14 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
@@ -182,6 +184,15 @@ class Results(Trial):
         (self.root / "file").write_text("second")
         self.assertIn("changes that are not committed", self.run_it().stdout)
         self.assertIn("+changes", self.run_it("--table").stdout)
+
+    def test_of_a_copy_without_git(self):
+        self.put(first="")
+        shutil.rmtree(self.root / ".git")
+        with unittest.mock.patch.dict(os.environ, {"JULIAVDB_COMMIT": "abcd1234"}):
+            self.run_it()
+            self.assertNotIn("another tree", self.run_it("--status").stdout)
+        self.assertIn("another tree", self.run_it("--status").stdout)
+        self.assertIn("| `abcd1234` |", self.run_it("--table").stdout)
 
     def test_what_others_stand_on(self):
         self.put_all([["build", "exit 1", True, 0], ["first", "", False, 0], ["second", "", False, 0]])

@@ -60,7 +60,8 @@ class Check:
 
 
 def tree_of(root):
-    """The commit of the checkout, and a hash of what is changed in it, which is empty if nothing is."""
+    """The commit of the checkout, and a hash of what is changed in it, which is empty if nothing is. A copy of the files alone,
+    as tools/on-debian makes it, is of the commit that JULIAVDB_COMMIT names."""
     def git(*words):
         return subprocess.run(["git", "-C", root, *words], capture_output=True, check=True).stdout
 
@@ -68,7 +69,7 @@ def tree_of(root):
         commit = git("rev-parse", "--short=8", "HEAD").decode().strip()
         changes = git("diff", "HEAD", "--binary") + git("ls-files", "--others", "--exclude-standard")
     except (OSError, subprocess.CalledProcessError):
-        return {"commit": "unknown", "changes": ""}
+        return {"commit": os.environ.get("JULIAVDB_COMMIT") or "unknown", "changes": ""}
     return {"commit": commit, "changes": hashlib.sha256(changes).hexdigest()[:8] if changes else ""}
 
 
