@@ -314,6 +314,49 @@ class TheScript(unittest.TestCase):
         log.write_text(head + "ply                        -        -        -      0\n")
         self.assertEqual(judge(log, time.time() + 60)[0], pieces.FAILED)
 
+    def test_fuzzers(self):
+        """By a fuzzer that stands in: one harness finds nothing and takes turns until the time is over, one finds a file, and one
+        does not start."""
+        root = self.folder / "tree"
+        for name in ("tests/long", "tests/fuzz/dict"):
+            shutil.copytree(HERE.parents[1] / name, root / name)
+        shutil.copy(HERE.parent / "fuzz/run-all", root / "tests/fuzz/run-all")
+        programs = {
+            "bin/cmake": "exit 0",
+            "build/fuzz/tests/fuzz/fuzz_replay": 'mkdir -p "$2/ply"',
+            "build/fuzz/tests/fuzz/fuzz": """case $0 in
+              *_ply) echo '#900: cov: 70 ft: 90 corp: 12 exec/s 9' >&2 ;;
+              *_obj) for word; do case $word in -artifact_prefix=*) echo x > "${word#*=}crash-1" ;; esac; done
+                echo '#300: cov: 50 ft: 90 corp: 10 exec/s 9' >&2 ;;
+              *_off) exit 1 ;;
+              *) echo call this program by one of these names: fuzz_ply fuzz_obj fuzz_off >&2; exit 2 ;;
+            esac"""}
+        for name, text in programs.items():
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text("#!/bin/sh\n" + text)
+            (root / name).chmod(0o755)
+        path = f"{root / 'bin'}:{os.environ['PATH']}"
+        words = [root / "tests/long/check", "fuzzers"]
+        process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                   env={**os.environ, "PATH": path})
+        state, runs = root / "build/fuzzers/state.json", {}
+        while not {"obj", "off"} <= set(runs) or len(runs.get("ply", ())) < 3:
+            self.assertIsNone(process.poll())
+            time.sleep(0.05)
+            runs = json.loads(state.read_text())["pieces"] if state.exists() else {}
+        process.terminate()
+        said, _ = process.communicate()
+        self.assertEqual(process.returncode, 75, said)
+        runs = json.loads(state.read_text())["pieces"]
+        for run in runs["ply"]:
+            self.assertEqual((run["outcome"], run["executions"], run["finds"]), (pieces.PASSED, 900, 0))
+        self.assertEqual([(run["outcome"], run["executions"], run["finds"]) for run in runs["obj"]], [(pieces.FAILED, 300, 1)])
+        self.assertEqual([run["outcome"] for run in runs["off"]], [pieces.FAILED])
+        self.assertIn("artifacts/obj/crash-1", (root / runs["obj"][0]["log"]).read_text())
+        row = subprocess.run([*words, "--table"], capture_output=True, text=True).stdout.splitlines()[-1]
+        self.assertIn("0 of 3 harnesses passed, 2 failed, 1 not yet run to the end", row)
+        self.assertIn("| `obj`, `off` |", row)
+
     def test_pictures_that_are_compared_are_pieces(self):
         if "JULIAVDB" not in os.environ:
             self.skipTest("JULIAVDB names no program")
