@@ -91,7 +91,7 @@ def shuffled(indices, seed):
 class Made:
     """What a task made, and what that took.
 
-    @param box  of its points, six numbers as the program writes them, or "-" if it has none
+    @param box  of its points, six numbers of six digits (all of them are in the hash), or "-" if it has none
     @param by   the number of a line of makers.tsv
     """
     task: int
@@ -118,7 +118,8 @@ class Made:
             raise ValueError(f"it has {len(words)} columns and not {len(fields)}")
         made = Made(*(field.type(word) for field, word in zip(fields, words)))
         corners = [] if made.box == "-" else [float(word) for word in made.box.split(" ")]
-        if made.line() != line + "\n" or len(corners) not in (0, 6) or len(made.sha256) != 64:
+        sound = min(made.triangles, made.points) >= 0 and len(corners) in (0, 6) and len(made.sha256) == 64
+        if made.line() != line + "\n" or not sound:
             raise ValueError("a number, the box or the hash is not written as a task writes it")
         return made
 
@@ -255,7 +256,7 @@ class Plan:
         """What the program has written of a task."""
         counted = json.loads((self.folder / f"tiles/{task:04}.json").read_text())
         took = json.loads((self.folder / f"tasks/{task:04}.json").read_text())
-        box = " ".join(map(repr, map(float, counted["box"]))) if "box" in counted else "-"
+        box = " ".join(f"{x:.6g}" for x in counted["box"]) if "box" in counted else "-"
         return Made(task, counted["triangles"], counted["points"], box, counted["sha256"], round(took["cpuSeconds"], 2),
                     round(took["peakBytes"] / 2**20), by)
 
@@ -320,7 +321,7 @@ def summary(record):
         corners = [list(map(float, one.box.split(" "))) for one in made if one.box != "-"]
         box = [f(corner[i] for corner in corners) for f, i in zip([min] * 3 + [max] * 3, range(6))]
         hashes = hashlib.sha256("".join(one.sha256 for one in in_order).encode()).hexdigest()
-        lines += [f"it is whole: {grouped(sum(one.points for one in made))} points, the box {' '.join(map(repr, box))}",
+        lines += [f"it is whole: {grouped(sum(one.points for one in made))} points, the box {' '.join(f'{x:.6g}' for x in box)}",
                   f"SHA-256 of the hashes of all tiles: {hashes}"]
     elif len(made) >= LEAST_FOR_INTERVAL:
         whole, low, high = (end / 1e9 for end in estimated([one.triangles for one in made], record.tasks))
