@@ -78,8 +78,9 @@ class Refused(Exception):
 
 
 def options_of(size):
-    n, tiles = size.pick((60, 12), (9000, 3200), (9000, 3200))
-    return f"--resolution {n} --detail 0.8 --iterations 8 --frequency 12 --precision float --tiles {tiles} --make count"
+    n, frequency, tiles = size.pick((60, 4, 12), (9000, 12, 3200), (9000, 12, 3200))
+    return (f"--resolution {n} --detail 0.8 --iterations 8 --frequency {frequency} --precision float --tiles {tiles} "
+            "--make count")
 
 
 def shuffled(indices, seed):
