@@ -272,5 +272,6 @@ ENTRIES = [
     Entry("kd20-scale", "KD20", "Section 5.1", "ten billion triangles", scale_steps, scale, ("bunny",), (),
           "Estimates from a sample of the tiles, with 95 % intervals where the sample gives one; at the medium size it is 8 of "
           "20 000 tiles. Our default surface is smoother than theirs; the second row is a rougher one. "
-          "[scale.md](scale.md#ten-billion-triangles) has a third recipe, of which more than ten billion triangles were made."),
+          "[scale.md](scale.md#ten-billion-triangles) has a third recipe, by which `reproduce/run kd20-ten-billion` makes more "
+          "than ten billion triangles."),
 ]
