@@ -93,6 +93,7 @@ class Trial(unittest.TestCase):
 
 
 class Stopping(Trial):
+    # Promise of reliability.md: "the same command goes on where an earlier one was stopped"
     def test_it_goes_on_where_it_was_stopped(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(number):
@@ -113,6 +114,7 @@ class Stopping(Trial):
                 (self.folder / "child").unlink()
                 self.state.unlink()
 
+    # Promise: "the same command goes on where ..."
     def test_a_killed_one_loses_one_piece(self):
         self.put(first="", second="sleep 3 & wait", third="")
         process = self.begin("second")
@@ -139,6 +141,7 @@ class Stopping(Trial):
 
 
 class Results(Trial):
+    # Promise of reliability.md: "The exit code is 0 if all pieces of the check have passed, 1 if one failed"
     def test_a_piece_that_fails(self):
         self.put(first="", second="echo it broke; exit 3", third="")
         said = self.run_it(code=1).stdout
@@ -160,6 +163,8 @@ class Results(Trial):
         self.assertIn("2 of 3 tests passed, 1 not yet run to the end", self.run_it("--status").stdout)
         self.run_it("--only", "(", code=2)
 
+    # Promise of reliability.md: "Results of another commit, of a tree with changes that are not committed, or of another compiler
+    #   are kept and marked as such"
     def test_of_another_commit(self):
         self.put(first="", second="")
         self.run_it()
@@ -179,6 +184,7 @@ class Results(Trial):
         self.assertEqual(self.ran(), ["first"])
         self.assertIn("1 of them on another tree", self.run_it("--status").stdout)
 
+    # Promise: "Results of another commit, ..."
     def test_that_of_a_changed_tree_says_so(self):
         self.put(first="")
         (self.root / "file").write_text("second")

@@ -57,6 +57,7 @@ class SmallRecord(unittest.TestCase):
         """Of each task what it counted."""
         return {task: one.counted for task, one in ten_billion.Record(record).made.items()}
 
+    # Promise of scale.md: "`--resume` makes the plan in a folder that it removes afterwards, and then the tasks that have no line yet"
     def test_two_calls_make_each_task_once(self):
         self.assertEqual((self.first.returncode, self.second.returncode), (0, 0), self.first.stderr + self.second.stderr)
         self.assertIn("5 of 12 tasks are made", self.first.stdout)
@@ -107,6 +108,7 @@ class SmallRecord(unittest.TestCase):
         for word in ("task 7 ", hash_of_7, wrong):
             self.assertIn(word, line)
 
+    # Promise of scale.md: "If one of them has another hash, it stops and names the task and both hashes"
     def test_a_program_that_makes_something_else_does_not_go_on(self):
         changed = self.copy(lambda text: re.sub(r"[0-9a-f]{64}", lambda match: match.group()[::-1],
                                                 "".join(text.splitlines(True)[:-2])))
@@ -146,6 +148,7 @@ class SmallRecord(unittest.TestCase):
                 self.assertIn(f"line {row} of {record / 'tasks.tsv'} is broken", done.stderr)
             shutil.rmtree(record)
 
+    # Promise of scale.md: "an interruption loses only the tasks that were being made"
     def test_an_interrupted_call_loses_only_what_it_was_making(self):
         record = self.folder / "record"
         words = ["--small", "--into", self.folder / "results", "--record", record, "--resume", "--jobs", "1"]
@@ -195,6 +198,7 @@ class Estimates(unittest.TestCase):
         for degrees, quantile in ((9, 2.2622), (30, 2.0423), (1000, 1.9623)):
             self.assertAlmostEqual(ten_billion.students_t(degrees), quantile, delta=2e-3)
 
+    # Promise of scale.md: "Those that are made are therefore a random sample of all"
     def test_the_first_tasks_are_spread_over_the_plan(self):
         """As a random sample is: a mean of 100 numbers up to 3200 has a standard deviation of 92."""
         order = ten_billion.shuffled(range(1, 3201), ten_billion.SHUFFLE)
