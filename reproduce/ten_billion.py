@@ -78,7 +78,7 @@ class Refused(Exception):
 
 
 def options_of(size):
-    n, frequency, tiles = size.pick((60, 4, 12), (9000, 12, 3200), (9000, 12, 3200))
+    n, frequency, tiles = size.pick(("40 --sdf-resolution 40", 4, 12), (9000, 12, 3200), (9000, 12, 3200))
     return (f"--resolution {n} --detail 0.8 --iterations 8 --frequency {frequency} --precision float --tiles {tiles} "
             "--make count")
 
