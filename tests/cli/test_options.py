@@ -86,7 +86,7 @@ RUNS = {
             ("s.obj", "-o", "f.json", "--roots", 5, "--resolution", 17),
             ("pair.vdb", "--grid", "phi", "-o", "f.json", "--roots", 5, "--resolution", 17),
             ("turned.vdb", "--invert", "-o", "f.json", "--roots", 5, "--resolution", 17),
-            ("open.obj", "--repair", "-o", "f.json", "--schedule", "5(VF)", "--resolution", 17),
+            ("open.obj", "--repair", "-o", "f.json", "--schedule", "7(VF)", "--resolution", 17),
             ("s.obj", "-o", "f.json", "--roots", 5, "--resolution", 17, "--charge", "g.ply")],
     "info": [("rod.obj",), ("made.vdb",)],
     "maps": [()],
@@ -103,7 +103,7 @@ LOOK = {"up": "z", "alpha-clarity": "0.02", "delta": "2", "epsilon": "0.05", "az
         "zoom": "2", "eye": "2,2,4", "look-at": "0.2,0,0", "samples": "1", "size": "20x20", "material": "bronze", "light": "60,20",
         "sky": "0.2", "background": "#203040", "exposure": "1"}
 VALUES = {
-    "fit": {"method": "kim15", "resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "7(VF)",
+    "fit": {"method": "kim15", "resolution": "15", "alpha": "30", "epsilon": "0.3", "roots": "7", "weights": "layers", "schedule": "9(VF)",
             "smooth": "2", "triangles": "300", "target-iou": "0.3", "seed": "5", "start": "monopoles", "power-penalty": "0.01"},
     "print": {"longest-side": "50", "target-up": "z", "resolution": "22", "tolerance": "0.7", "islands": "2", "flat-base": "5",
               "min-thickness": "8", "thin": "drop"},
@@ -528,7 +528,7 @@ class Numbers(harness.CliTest):
                 ("points", "s.obj", "-o", "p.ply", "--spacing", 0.3), ("points", "f.vdb", "-o", "q.ply", "--points", 90),
                 ("print", "f.vdb", "-o", "p.stl", "--longest-side", 60, "--min-thickness", 7, "--flat-base", 2, "--resolution", 30),
                 ("study", "s.obj", "--alpha", 20, "-o", "s.png", "--size", 16, "--versors", 3, *LOW),
-                ("fit", "s.obj", "-o", "r.json", "--schedule", "5(VF)", "--resolution", 17)]
+                ("fit", "s.obj", "-o", "r.json", "--schedule", "7(VF)", "--resolution", 17)]
         for words in runs:
             said = self.ok(*words)
             for number in re.findall(r"(?<![\w.])-?(\d*\.\d+)", said):

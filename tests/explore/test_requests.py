@@ -386,7 +386,7 @@ class Page(harness.CliTest):
         self.write("large.obj", harness.obj(harness.moved(harness.torus(around=24, across=12), 1e6, (0, 0, 0))))
         for target, expected in (("s.obj", 0), ("large.obj", 1)):
             page = self.serve(target, "--half", *QUICK)
-            job = page.wait_for(self.make(page))
+            job = page.wait_for(self.make(page, name=target))
             self.assertEqual((job["state"], len(job["warnings"])), ("done", expected), job)
         self.assertRegex(job["warnings"][0], r"^\d+ values of the grid surface are beyond what 16 bits hold")
 
