@@ -127,7 +127,9 @@ class SmallRecord(unittest.TestCase):
 
     def test_a_torn_last_line_is_dropped_and_made_again(self):
         record = self.copy(lambda text: text[:-30])
-        self.assertIn("11 of 12 tasks are made", self.call("--record", record).stdout)
+        said = self.call("--record", record).stdout
+        self.assertIn("11 of 12 tasks are made", said)
+        self.assertIn("has no end and is not counted", said)
         self.assertEqual(self.call("--record", record, "--verify", 1).returncode, 0)
         done = self.call("--record", record, "--resume")
         self.assertEqual(done.returncode, 0, done.stderr)
