@@ -175,7 +175,8 @@ class SmallRecord(unittest.TestCase):
 
     def test_words_that_do_not_go_together(self):
         for words, mention in ((("--tasks", 3), "--resume"), (("--verify", "0"), "whole number"),
-                               (("--resume", "--jobs", "x"), "'x'"), (("--resume", "--again"), "--again"), (("kd20-table-1",), "without other entries")):
+                               (("--resume", "--jobs", "x"), "'x'"),
+                               (("--resume", "--again"), "--again"), (("kd20-table-1",), "without other entries")):
             done = self.call(*words)
             self.assertEqual((done.returncode, len(done.stderr.splitlines())), (2, 1), done.stderr)
             self.assertIn(mention, done.stderr)
