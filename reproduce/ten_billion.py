@@ -17,6 +17,7 @@ import pathlib
 import random
 import shlex
 import shutil
+import signal
 import statistics
 import subprocess
 import sys
@@ -243,6 +244,8 @@ class Plan:
     def stop(processes):
         for process in processes:
             process.terminate()
+            # One that somebody has stopped hears nothing before it goes on.
+            process.send_signal(signal.SIGCONT)
         for process in processes:
             process.communicate()
 
