@@ -17,6 +17,7 @@ import pathlib
 import random
 import shlex
 import shutil
+import signal
 import statistics
 import subprocess
 import sys
@@ -78,7 +79,8 @@ class Refused(Exception):
 
 
 def options_of(size):
-    n, frequency, tiles = size.pick(("40 --sdf-resolution 40", 4, 12), (9000, 12, 3200), (9000, 12, 3200))
+    # The distances take most of the time of a small plan.
+    n, frequency, tiles = size.pick(("60 --sdf-resolution 40", 4, 12), (9000, 12, 3200), (9000, 12, 3200))
     return (f"--resolution {n} --detail 0.8 --iterations 8 --frequency {frequency} --precision float --tiles {tiles} "
             "--make count")
 
@@ -189,6 +191,7 @@ class Record:
                 if not text.endswith("\n") and text:
                     tell(f"the last line of {self.folder / name} has no end; it is dropped")
                     os.truncate(self.folder / name, len(text[:text.rfind("\n") + 1].encode()))
+            self.torn = False
             yield
         finally:
             os.close(held)
@@ -241,6 +244,8 @@ class Plan:
     def stop(processes):
         for process in processes:
             process.terminate()
+            # One that somebody has stopped hears nothing before it goes on.
+            process.send_signal(signal.SIGCONT)
         for process in processes:
             process.communicate()
 
@@ -329,6 +334,8 @@ def summary(record):
         hours, least, most = (end / 3600 for end in estimated([one.cpu for one in made], record.tasks))
         lines.append(f"the whole, with 95 % intervals: {whole:.4g} billion triangles ({low:.4g} to {high:.4g}), {hours:.3g} CPU "
                      f"hours ({least:.3g} to {most:.3g})")
+    if record.torn:
+        lines.append(f"the last line of {record.folder / TASKS} has no end and is not counted; --resume makes its task again")
     for number, (version, machine) in record.makers.items():
         lines.append(f"{sum(one.by == number for one in made)} of them by {version} on {machine}")
     return lines
