@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <vector>
@@ -134,29 +135,78 @@ std::vector<Ball> ridgeBalls(const Lattice& depth, Monitor& monitor) {
   return balls;
 }
 
-/// Computes at each node the largest radius of the balls that contain it; a ball also contains the nodes within half a
-/// voxel of it.
-Lattice paint(const Lattice& depth, const std::vector<Ball>& balls, Monitor& monitor) {
-  Lattice tau(depth.box, 0);
-  inParallel(static_cast<std::size_t>(depth.size[0]), 1, monitor, [&](std::size_t begin, std::size_t end) {
-    for (const Ball& ball : balls) {
-      const float reach = ball.radius + 0.5f + kTie;
-      const int r = static_cast<int>(reach);
-      const int first = std::max(static_cast<int>(begin), ball.x - r),
-                last = std::min(static_cast<int>(end) - 1, ball.x + r);
-      for (int x = first; x <= last; ++x) {
-        const float dx = static_cast<float>(x - ball.x);
-        const float restX = reach * reach - dx * dx;
-        if (restX < 0) continue;
-        const int ry = static_cast<int>(std::sqrt(restX));
-        for (int y = std::max(0, ball.y - ry); y <= std::min(depth.size[1] - 1, ball.y + ry); ++y) {
-          const float dy = static_cast<float>(y - ball.y);
-          const int rz = static_cast<int>(std::sqrt(restX - dy * dy));
-          const int low = std::max(0, ball.z - rz), high = std::min(depth.size[2] - 1, ball.z + rz);
-          float* row = &tau.values[tau.index(x, y, 0)];
-          for (int z = low; z <= high; ++z) row[z] = std::max(row[z], ball.radius);
-        }
+/// How far a ball reaches from its centre: it also contains the nodes within half a voxel of it.
+float reachOf(const Ball& ball) { return ball.radius + 0.5f + kTie; }
+
+/// Whether a ball contains a node of a box; perhaps also if it ends just before it.
+bool meets(const Ball& ball, const CoordBBox& box) {
+  const auto apart = [](int at, int low, int high) { return static_cast<float>(std::max({low - at, at - high, 0})); };
+  constexpr float kRounding = 1 + 1e-5f;
+  const float dx = apart(ball.x, box.min()[0], box.max()[0]), dy = apart(ball.y, box.min()[1], box.max()[1]),
+              dz = apart(ball.z, box.min()[2], box.max()[2]), reach = reachOf(ball);
+  return dx * dx + dy * dy + dz * dz <= reach * reach * kRounding;
+}
+
+/// Sets the nodes inside the target that a ball contains and that have no value yet. @return how many these were
+std::size_t paintBall(const Lattice& depth, const CoordBBox& box, const Ball& ball, Lattice& tau) {
+  std::size_t painted = 0;
+  const float reach = reachOf(ball);
+  const int r = static_cast<int>(reach);
+  for (int x = std::max(box.min()[0], ball.x - r); x <= std::min(box.max()[0], ball.x + r); ++x) {
+    const float dx = static_cast<float>(x - ball.x);
+    const float restX = reach * reach - dx * dx;
+    if (restX < 0) continue;
+    const int ry = static_cast<int>(std::sqrt(restX));
+    for (int y = std::max(box.min()[1], ball.y - ry); y <= std::min(box.max()[1], ball.y + ry); ++y) {
+      const float dy = static_cast<float>(y - ball.y);
+      const float restY = restX - dy * dy;
+      if (restY < 0) continue;
+      const int rz = static_cast<int>(std::sqrt(restY));
+      const std::size_t row = tau.index(x, y, 0);
+      for (int z = std::max(box.min()[2], ball.z - rz); z <= std::min(box.max()[2], ball.z + rz); ++z) {
+        const std::size_t node = row + static_cast<std::size_t>(z);
+        if (tau.values[node] > 0 || !(depth.values[node] > 0)) continue;
+        tau.values[node] = ball.radius;
+        ++painted;
       }
+    }
+  }
+  return painted;
+}
+
+/// Calls visit(box) for the boxes with sides of @a side nodes into which a box is cut.
+template <class Visit>
+void forEachBox(const CoordBBox& whole, int side, const Visit& visit) {
+  for (int x = whole.min()[0]; x <= whole.max()[0]; x += side)
+    for (int y = whole.min()[1]; y <= whole.max()[1]; y += side)
+      for (int z = whole.min()[2]; z <= whole.max()[2]; z += side) {
+        CoordBBox box = CoordBBox::createCube(Coord(x, y, z), side);
+        box.intersect(whole);
+        visit(box);
+      }
+}
+
+/// Computes at each node inside the target the largest radius of the balls that contain it. Large balls come first, so
+/// that a block of nodes is done as soon as each of them has a value.
+Lattice paint(const Lattice& depth, std::vector<Ball> balls, Monitor& monitor) {
+  constexpr int kRegion = 32, kBlock = 8;  // nodes
+  std::stable_sort(balls.begin(), balls.end(), [](const Ball& a, const Ball& b) { return a.radius > b.radius; });
+  Lattice tau(depth.box, 0);
+  std::vector<CoordBBox> regions;
+  forEachBox({Coord(0), depth.size - Coord(1)}, kRegion, [&](const CoordBBox& box) { regions.push_back(box); });
+  inParallel(regions.size(), 1, monitor, [&](std::size_t begin, std::size_t end) {
+    std::vector<Ball> near;
+    for (std::size_t i = begin; i < end; ++i) {
+      near.clear();
+      std::copy_if(balls.begin(), balls.end(), std::back_inserter(near),
+                   [&](const Ball& ball) { return meets(ball, regions[i]); });
+      forEachBox(regions[i], kBlock, [&](const CoordBBox& block) {
+        std::size_t left = 0;
+        for (auto node = block.begin(); node; ++node)
+          left += depth.values[depth.index((*node)[0], (*node)[1], (*node)[2])] > 0 ? 1 : 0;
+        for (std::size_t k = 0; k < near.size() && left > 0; ++k)
+          if (meets(near[k], block)) left -= paintBall(depth, block, near[k], tau);
+      });
     }
   });
   return tau;
@@ -287,8 +337,7 @@ ThicknessFinder::ThicknessFinder(const FloatGrid& phi, Monitor& monitor) {
     value = static_cast<float>(-value / voxel);
     if (std::abs(value) < kTie) value = 0;
   }
-  const std::vector<Ball> balls = ridgeBalls(depth, monitor);
-  Lattice tau = paint(depth, balls, monitor);
+  Lattice tau = paint(depth, ridgeBalls(depth, monitor), monitor);
   for (std::size_t i = 0; i < tau.values.size(); ++i) {
     // Outside, and where no ball reaches, the neighbours decide.
     tau.values[i] = depth.values[i] > 0 && tau.values[i] > 0
