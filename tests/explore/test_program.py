@@ -287,7 +287,7 @@ class WrongBrowsers(ProgramTest):
         self.open()
         self.choose("s.obj")
         self.wait_for_picture()
-        self.run_script("document.getElementById('make-resolution').value = 400; document.querySelector('details.files').open = true")
+        self.run_script("document.getElementById('make-resolution').value = 250; document.querySelector('details.files').open = true")
         self.button("Make").click()
         self.wait_until(lambda: self.run_script("return Boolean(document.querySelector('.jobs .running'))"), "the work")
         self.driver.refresh()
