@@ -158,10 +158,11 @@ class SmallRecord(unittest.TestCase):
         process = subprocess.Popen([*COMMAND, *words], env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for line in process.stderr:
             if "[2/12]" in line:
-                # A task that somebody has stopped ends with the call, too.
+                # A task that somebody has stopped ends with the call, too. Before it is the program, the call waits for it.
                 for child in pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split():
-                    with contextlib.suppress(ProcessLookupError):
-                        os.kill(int(child), signal.SIGSTOP)
+                    with contextlib.suppress(OSError):
+                        if pathlib.Path(f"/proc/{child}/exe").resolve() == PROGRAM.resolve():
+                            os.kill(int(child), signal.SIGSTOP)
                 process.send_signal(signal.SIGTERM)
                 break
         said, last = process.communicate(timeout=120)
