@@ -24,13 +24,11 @@ class NearProof {
       : mLimit(limit), mOther(other), mSearch(search) {}
 
   /// The nearest triangle of the other surface at a place where the proof fails.
-  /// @param hint  where to begin; then the nearest triangle
-  std::optional<std::uint32_t> failure(const TrianglePiece& piece, std::optional<std::uint32_t>& hint,
+  std::optional<std::uint32_t> failure(const TrianglePiece& piece, std::optional<std::uint32_t> hint,
                                        int halvings) const {
     const Vec3d middle = (piece[0] + piece[1] + piece[2]) / 3.0;
     const auto nearest = mSearch.nearest(middle, std::numeric_limits<double>::infinity(), hint);
     if (!nearest) return 0;
-    hint = nearest->triangle;
     if (nearest->distance > mLimit || halvings > kMostHalvings) return nearest->triangle;
     if (std::all_of(piece.begin(), piece.end(),
                     [&](const Vec3d& corner) { return distance(corner, nearest->triangle) <= mLimit; }))
@@ -44,8 +42,8 @@ class NearProof {
     const Vec3d half = (piece[at(longest)] + piece[at(longest + 1)]) / 2.0;
     const TrianglePiece first = {piece[at(longest)], half, piece[at(longest + 2)]},
                         second = {half, piece[at(longest + 1)], piece[at(longest + 2)]};
-    const auto found = failure(first, hint, halvings + 1);
-    return found ? found : failure(second, hint, halvings + 1);
+    const auto found = failure(first, nearest->triangle, halvings + 1);
+    return found ? found : failure(second, nearest->triangle, halvings + 1);
   }
 
  private:
@@ -68,17 +66,15 @@ class NearProof {
 
 std::vector<FarPlace> placesFartherThan(double limit, const Mesh& surface, const Mesh& other,
                                         const SurfaceSearch& search, const Monitor& monitor) {
-  // Within a block the search begins at what was found for the triangle before. Blocks do not depend on the threads.
-  constexpr std::size_t kBlock = 64, kGrain = 16;
+  constexpr std::size_t kGrain = 1024;
   const NearProof proof(limit, other, search);
   constexpr std::uint32_t kProved = ~std::uint32_t{0};
   std::vector<std::uint32_t> found(surface.triangles.size(), kProved);
-  inParallel((found.size() + kBlock - 1) / kBlock, kGrain, monitor, [&](std::size_t begin, std::size_t end) {
-    std::optional<std::uint32_t> before;
-    for (std::size_t i = kBlock * begin; i < std::min(kBlock * end, found.size()); ++i) {
+  inParallel(found.size(), kGrain, monitor, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
       const openvdb::Vec3I& t = surface.triangles[i];
-      if (i % kBlock == 0) before.reset();
-      const auto far = proof.failure({surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]}, before, 0);
+      const auto far =
+          proof.failure({surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]}, std::nullopt, 0);
       if (far) found[i] = *far;
     }
   });
