@@ -49,18 +49,17 @@ class Gallery(unittest.TestCase):
         def check(*options):
             return subprocess.run([sys.executable, ROOT / "docs/make-gallery", "--check", *options], capture_output=True,
                                   text=True)
-        done = check("hero-1", "zb25-1", "zb25-2")
+        done = check("zb25-1")
         self.assertEqual(done.returncode, 0, done.stderr)
+        # Of the figures that are stored, one picture is that of another command.
         with tempfile.TemporaryDirectory() as folder:
             stored = pathlib.Path(folder)
-            for name in ("zb25-2a", "zb25-2b", "zb25-2c", "zb25-2d"):
-                other = "zb25-2a" if name == "zb25-2b" else name
-                (stored / f"{name}.png").write_bytes((ROOT / f"docs/images/gallery/{other}.png").read_bytes())
-            done = check("zb25-2", "--into", folder)
+            for picture in (ROOT / "docs/images/gallery").iterdir():
+                (stored / picture.name).write_bytes(picture.read_bytes())
+            (stored / "zb25-2b.png").write_bytes((stored / "zb25-2a.png").read_bytes())
+            done = check("hero-1", "zb25-2", "--into", folder)
             self.assertEqual(done.returncode, 1)
-            said = done.stderr.splitlines()[-1]
-            self.assertIn("zb25-2b", said)
-            self.assertNotIn("zb25-2c", said)
+            self.assertEqual(done.stderr.splitlines()[-1], f"{folder}: not what their commands make: zb25-2b.png")
 
 
 if __name__ == "__main__":
