@@ -136,7 +136,7 @@ std::vector<vdbtools::LatticeEdge> crossingEdges(const vdbtools::FractalField& f
         ++end[axis];
         if (!field.domain.isInside(begin) || !field.domain.isInside(end)) continue;
         const float from = *node, to = values.getValue(end);
-        if ((from < 0) != (to < 0)) edges.push_back({begin, axis, from, to, false});
+        if ((from < 0) != (to < 0)) edges.push_back({begin, axis, from, to});
       }
   return edges;
 }

@@ -76,6 +76,7 @@ void edges(benchmark::State& state) {
       benchmark::DoNotOptimize(search(batch, job.scene.voxelSize, source, tolerance));
       searched += batch.size();
     }
+  if (evaluator.count() == 0) state.SkipWithError("no edge was searched");
   state.counters["edges"] = static_cast<double>(job.edges.size());
   state.counters["evaluations"] = static_cast<double>(evaluator.count()) / static_cast<double>(searched);
   state.counters["each"] =
