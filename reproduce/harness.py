@@ -167,14 +167,16 @@ def sha256(path):
 
 def machine():
     """The machine in words: its processor, how many of it, its memory and its system."""
-    model = re.search(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M)
+    said = dict(re.findall(r"^(\S[^\t:]*?)\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M))
+    # Processors of one name may differ in what they do at a time.
+    kind = f" (family {said['cpu family']}, model {said['model']})" if {"cpu family", "model"} <= said.keys() else ""
     memory = re.search(r"^MemTotal:\s*(\d+)", pathlib.Path("/proc/meminfo").read_text(), re.M)
     cores = len(os.sched_getaffinity(0))
     try:
         system = platform.freedesktop_os_release().get("PRETTY_NAME", platform.system())
     except OSError:
         system = platform.system()
-    return (f"{model.group(1) if model else platform.machine()}, {cores} processor{'s' if cores > 1 else ''}, "
+    return (f"{said.get('model name', platform.machine())}{kind}, {cores} processor{'s' if cores > 1 else ''}, "
             f"{int(memory.group(1)) / 2**20:.0f} GiB, {system}")
 
 
