@@ -148,6 +148,7 @@ vdbtools::FractalOptions jobOptions(Input input, std::int64_t voxels) {
                                 {"resolution", std::to_string(voxels)},
                                 {"sdf-resolution", std::to_string(kSdfVoxels)},
                                 {"alpha", "40"},
+                                {"crumbs", "keep"},  // the reference has no other way
                                 {"texture-roots", "10"},
                                 {"texture-powers", "2:11"},
                                 {"texture-integer", "true"},
