@@ -174,12 +174,12 @@ class Resources(harness.CliTest):
     # Promise of reliability.md: "a run that fits is not refused"
     def test_what_fits_is_not_refused(self):
         """The most that a run takes is enough for it; much less is not."""
-        for name, (sized, known) in SIZED.items():
+        for name, (words, known) in SIZED.items():
             with self.subTest(name):
-                # Of two runs by one thread the most differs by up to 0.3 %, by two threads by 1.2 %.
-                words = (*sized, "--threads", 1)
-                base, peak = self.peak("sdf", "s.obj", "-o", "x.vdb", "--resolution", 10), self.peak(*words)
-                self.ok(*words, "--memory", f"{peak * 1.01 // 1024:.0f}K")
+                base = self.peak("sdf", "s.obj", "-o", "x.vdb", "--resolution", 10)
+                # What a run takes at most differs from run to run by about 1 %.
+                peak = max(self.peak(*words) for _ in range(4))
+                self.ok(*words, "--memory", f"{peak // 1024}K")
                 self.path(words[3]).unlink()
                 share = int(0.5 * base + known * (peak - base)) // 1024
                 self.refused(INTERNAL, *words, "--memory", f"{share}K", mentions="at least")

@@ -4,6 +4,7 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -54,8 +55,7 @@ class Gallery(unittest.TestCase):
         # Of the figures that are stored, one picture is that of another command.
         with tempfile.TemporaryDirectory() as folder:
             stored = pathlib.Path(folder)
-            for picture in (ROOT / "docs/images/gallery").iterdir():
-                (stored / picture.name).write_bytes(picture.read_bytes())
+            shutil.copytree(ROOT / "docs/images/gallery", stored, dirs_exist_ok=True)
             (stored / "zb25-2b.png").write_bytes((stored / "zb25-2a.png").read_bytes())
             done = check("hero-1", "zb25-2", "--into", folder)
             self.assertEqual(done.returncode, 1)
