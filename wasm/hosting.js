@@ -21,4 +21,8 @@ if (typeof window === "undefined") {
 } else if (!crossOriginIsolated && navigator.serviceWorker && !sessionStorage.getItem("juliavdb isolation")) {
   sessionStorage.setItem("juliavdb isolation", "asked");  // once: a browser that does not isolate would load the page for ever
   navigator.serviceWorker.register("hosting.js").then(() => navigator.serviceWorker.ready).then(() => location.reload());
+  // A browser may keep this page, and show it again when the isolated one is loaded anew.
+  addEventListener("pageshow", ({ persisted }) => {
+    if (persisted) location.reload();
+  });
 }

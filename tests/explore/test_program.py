@@ -282,6 +282,21 @@ class WrongBrowsers(ProgramTest):
         self.choose("s.obj")
         self.wait_for_picture()
 
+    # Promise: Where the host sends no headers, ...
+    def test_the_page_that_was_not_isolated_yet_does_not_come_back(self):
+        """A browser keeps a page that was shown whole, and may show that one when its successor is loaded anew."""
+        self.before("""
+          const register = ServiceWorkerContainer.prototype.register;
+          ServiceWorkerContainer.prototype.register = async function (...values) {
+            await new Promise((shown) => addEventListener("load", () => setTimeout(shown, 300)));
+            return register.apply(this, values);
+          };
+          addEventListener("pagehide", ({ persisted }) => { if (persisted) sessionStorage.setItem("kept", "yes"); });""")
+        self.open()
+        self.assertEqual(self.run_script("return sessionStorage.getItem('kept')"), "yes")
+        self.driver.refresh()
+        self.wait_for_first_screen()
+
     # Promise of browser.md: "If you close or reload it in the middle, nothing is left"
     def test_a_tab_that_is_closed_while_files_are_made(self):
         self.open()
