@@ -36,6 +36,12 @@ Mesh horned(int subdivisions) {
   return mesh;
 }
 
+openvdb::BBoxd boxOf(const Mesh& mesh) {
+  openvdb::BBoxd box;
+  for (const Vec3d& p : mesh.points) box.expand(p);
+  return box;
+}
+
 /// The greatest distance of random places on a surface from another one.
 double sampledDistance(const Mesh& from, const Mesh& to) {
   const vdbtools::SurfaceSearch search(to.points, to.triangles);
@@ -64,10 +70,58 @@ TEST(AdaptiveMesh, StaysClosedAndWithinTheBoundOfBothSurfaces) {
     EXPECT_TRUE(std::is_sorted(adapted.points.begin(), adapted.points.end()));
     EXPECT_LE(sampledDistance(coarse, mesh), bound);
     EXPECT_LE(sampledDistance(mesh, coarse), bound);
+    EXPECT_EQ(boxOf(coarse), boxOf(mesh));
     EXPECT_LT(coarse.triangles.size(), before) << bound;
     before = coarse.triangles.size();
   }
   EXPECT_LT(before, mesh.triangles.size() / 20);
+}
+
+// A surface that is rough at the size of the bound: the first attempt is not near enough everywhere.
+TEST(AdaptiveMesh, StaysWithinTheBoundOfARoughSurface) {
+  Mesh mesh = makeSphere(1, 5);
+  std::mt19937 random(1);
+  for (Vec3d& p : mesh.points) p *= 1 + 0.03 * (random() / 4294967296.0 - 0.5);
+  for (const double bound : {0.003, 0.01}) {
+    vdbtools::Monitor monitor;
+    const Mesh coarse = meshOf(vdbtools::adaptedMesh(mesh, bound, monitor), mesh);
+    EXPECT_EQ(mesh_laws::notClosedManifold(coarse), "") << bound;
+    EXPECT_LE(sampledDistance(coarse, mesh), bound);
+    EXPECT_LE(sampledDistance(mesh, coarse), bound);
+    EXPECT_LT(coarse.triangles.size(), mesh.triangles.size());
+  }
+}
+
+TEST(AdaptiveMesh, APlaneTakesAFewTriangles) {
+  Mesh mesh = makeSphere(1, 5);  // becomes a cube whose edges are cut off here and there
+  for (Vec3d& p : mesh.points) p /= std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+  vdbtools::Monitor monitor;
+  const Mesh coarse = meshOf(vdbtools::adaptedMesh(mesh, 0.02, monitor), mesh);
+  EXPECT_EQ(mesh_laws::notClosedManifold(coarse), "");
+  EXPECT_EQ(boxOf(coarse), boxOf(mesh));
+  EXPECT_LT(coarse.triangles.size(), mesh.triangles.size() / 10);  // the rest are teeth along the edges
+  EXPECT_LE(sampledDistance(mesh, coarse), 0.02);
+}
+
+// Nothing but its border says that a sheet has a notch.
+TEST(AdaptiveMesh, ANotchInASheetStaysOpen) {
+  constexpr std::uint32_t kCells = 40;
+  Mesh mesh;
+  for (std::uint32_t j = 0; j <= kCells; ++j)
+    for (std::uint32_t i = 0; i <= kCells; ++i) mesh.points.emplace_back(i, j, 0);
+  for (std::uint32_t j = 0; j < kCells; ++j)
+    for (std::uint32_t i = 0; i < kCells; ++i) {
+      const std::uint32_t a = j * (kCells + 1) + i, b = a + 1, c = a + kCells + 1, d = c + 1;
+      const int across = std::abs(static_cast<int>(i) - 20), up = static_cast<int>(j) - 15;
+      if (3 * across < up) continue;
+      mesh.triangles.emplace_back(a, b, d);
+      mesh.triangles.emplace_back(a, d, c);
+    }
+  vdbtools::Monitor monitor;
+  const Mesh coarse = meshOf(vdbtools::adaptedMesh(mesh, 0.5, monitor), mesh);
+  EXPECT_LE(sampledDistance(coarse, mesh), 0.5);
+  EXPECT_LE(sampledDistance(mesh, coarse), 0.5);
+  EXPECT_LT(coarse.triangles.size(), mesh.triangles.size() / 20);
 }
 
 TEST(AdaptiveMesh, DependsOnTheShapeAloneAndNotOnItsSizeOrPlace) {

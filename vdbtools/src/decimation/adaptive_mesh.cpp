@@ -2,19 +2,12 @@
 #include "vdbtools/decimation/adaptive_mesh.h"
 #include "vdbtools/base/text.h"
 
+#include "decimation/bounded_collapse.h"
 #include "decimation/halfedge_mesh.h"
 #include "search/surface_distance.h"
 
-#include <openvdb/math/Proximity.h>
-#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/ModBaseT.hh>
-#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
-#include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -23,134 +16,14 @@ namespace {
 
 using openvdb::Vec3I;
 
-/// The maximum rotation of a triangle's normal in one collapse, degrees: more would be a fold.
-constexpr float kFold = 75;
-
 /// The distance of samples of the surface is kept below this fraction of the bound, so that the surface between them
 /// seldom exceeds the bound itself.
-constexpr double kShareOfSamples = 0.6;
+constexpr float kShareOfSamples = 0.8F;
 
 /// After this many failed proofs, the mesh is left unchanged, which trivially satisfies the bound.
 constexpr int kMostAttempts = 12;
 
-/// Allows an edge to collapse only if a sample of the original surface stays near: its points, and the midpoints of its
-/// edges and of its triangles. OpenMesh's own ModHausdorff uses only the points, but on a rough surface the edges
-/// between them are lost first.
-template <class MeshT>
-// NOLINTNEXTLINE(cppcoreguidelines-virtual-class-destructor): it is virtual, which the base's being a template hides
-class ModSampleT : public OpenMesh::Decimater::ModBaseT<MeshT> {
- public:
-  DECIMATING_MODULE(ModSampleT, MeshT, Sample);
-
-  explicit ModSampleT(MeshT& mesh) : Base(mesh, true), mMesh(Base::mesh()) { mMesh.add_property(mSamples); }
-  ~ModSampleT() override { mMesh.remove_property(mSamples); }
-
-  void setTolerance(double tolerance) { mSquare = tolerance * tolerance; }
-
-  void initialize() override {
-    for (const auto face : mMesh.faces()) {
-      const Triangle t = cornersOf(face);
-      mMesh.property(mSamples, face) = {(t[0] + t[1] + t[2]) / 3.0};
-    }
-    for (const auto edge : mMesh.edges()) {
-      const auto half = edge.h0().is_boundary() ? edge.h1() : edge.h0();
-      const Vec3d middle = (pointOf(half.from()) + pointOf(half.to())) / 2.0;
-      mMesh.property(mSamples, half.face()).push_back(middle);
-    }
-  }
-
-  float collapse_priority(const CollapseInfo& collapse) override {
-    mTriangles.clear();
-    mLoose.assign(1, vector(collapse.p0));
-    for (const auto face : mMesh.vf_range(collapse.v0)) {
-      const std::vector<Vec3d>& samples = mMesh.property(mSamples, face);
-      mLoose.insert(mLoose.end(), samples.begin(), samples.end());
-      if (face == collapse.fl || face == collapse.fr) continue;
-      Triangle t;
-      std::size_t c = 0;
-      for (const auto vertex : mMesh.fv_range(face))
-        t[c++] = vertex == collapse.v0 ? vector(collapse.p1) : pointOf(vertex);
-      mTriangles.push_back(t);
-    }
-    for (const Vec3d& sample : mLoose)
-      if (std::none_of(mTriangles.begin(), mTriangles.end(),
-                       [&](const Triangle& t) { return squaredDistance(sample, t) <= mSquare; }))
-        return static_cast<float>(Base::ILLEGAL_COLLAPSE);
-    return static_cast<float>(Base::LEGAL_COLLAPSE);
-  }
-
-  /// Assigns the samples to the nearest triangles of the new mesh.
-  void postprocess_collapse(const CollapseInfo& collapse) override {
-    mLoose.assign(1, vector(collapse.p0));
-    const auto take = [&](typename Mesh::FaceHandle face) {
-      std::vector<Vec3d>& samples = mMesh.property(mSamples, face);
-      mLoose.insert(mLoose.end(), samples.begin(), samples.end());
-      samples.clear();
-    };
-    for (const auto face : {collapse.fl, collapse.fr})
-      if (face.is_valid()) take(face);
-    mTriangles.clear();
-    std::vector<typename Mesh::FaceHandle> faces;
-    for (const auto face : mMesh.vf_range(collapse.v1)) {
-      take(face);
-      faces.push_back(face);
-      mTriangles.push_back(cornersOf(face));
-    }
-    if (faces.empty()) return;
-    for (const Vec3d& sample : mLoose) {
-      std::size_t nearest = 0;
-      double least = std::numeric_limits<double>::infinity();
-      for (std::size_t i = 0; i < faces.size(); ++i) {
-        const double square = squaredDistance(sample, mTriangles[i]);
-        if (square < least) least = square, nearest = i;
-      }
-      mMesh.property(mSamples, faces[nearest]).push_back(sample);
-    }
-  }
-
- private:
-  using Vec3d = openvdb::Vec3d;
-  using Triangle = std::array<Vec3d, 3>;
-
-  static Vec3d vector(const typename Mesh::Point& p) { return {p[0], p[1], p[2]}; }
-  Vec3d pointOf(typename Mesh::VertexHandle vertex) const { return vector(mMesh.point(vertex)); }
-  Triangle cornersOf(typename Mesh::FaceHandle face) const {
-    Triangle t;
-    std::size_t c = 0;
-    for (const auto vertex : mMesh.fv_range(face)) t[c++] = pointOf(vertex);
-    return t;
-  }
-  static double squaredDistance(const Vec3d& p, const Triangle& t) {
-    Vec3d weights;
-    return (p - openvdb::math::closestPointOnTriangleToPoint(t[0], t[1], t[2], p, weights)).lengthSqr();
-  }
-
-  Mesh& mMesh;
-  OpenMesh::FPropHandleT<std::vector<Vec3d>> mSamples;
-  double mSquare = 0;
-  std::vector<Vec3d> mLoose;  // kept to save allocations
-  std::vector<Triangle> mTriangles;
-};
-
-/// Collapses all edges that may be collapsed. @param bound  is 1 in the units of @a mesh
-AdaptedMesh collapsed(HalfedgeMesh mesh, const std::vector<bool>& keeps, double tolerance) {
-  for (std::size_t i = 0; i < keeps.size(); ++i)
-    if (keeps[i]) mesh.status(HalfedgeMesh::VertexHandle(static_cast<int>(i))).set_locked(true);
-  {
-    using namespace OpenMesh::Decimater;
-    DecimaterT<HalfedgeMesh> decimater(mesh);
-    ModQuadricT<HalfedgeMesh>::Handle quadric;
-    ModNormalFlippingT<HalfedgeMesh>::Handle normals;
-    ModSampleT<HalfedgeMesh>::Handle distance;
-    decimater.add(quadric);
-    decimater.module(quadric).unset_max_err();
-    decimater.add(normals);
-    decimater.module(normals).set_max_normal_deviation(kFold);
-    decimater.add(distance);
-    decimater.module(distance).setTolerance(tolerance);
-    decimater.initialize();
-    decimater.decimate();
-  }
+AdaptedMesh remainderOf(const HalfedgeMesh& mesh) {
   constexpr std::uint32_t kNone = ~std::uint32_t{0};
   std::vector<std::uint32_t> numbers(mesh.n_vertices(), kNone);
   AdaptedMesh result;
@@ -185,8 +58,10 @@ Mesh meshOf(const AdaptedMesh& adapted, const Mesh& mesh) {
   return result;
 }
 
-/// Marks the points of some triangles, and of @a rings rings of triangles around them.
-void keepAround(const Mesh& mesh, const std::vector<std::uint32_t>& triangles, int rings, std::vector<bool>& keeps) {
+/// Halves the tolerances at some triangles, and at @a rings rings of triangles around them, and returns at which
+/// points.
+std::vector<bool> tightenAround(const Mesh& mesh, const std::vector<std::uint32_t>& triangles, int rings,
+                                std::vector<float>& tolerances) {
   std::vector<bool> marked(mesh.points.size(), false);
   for (const std::uint32_t t : triangles)
     for (int c = 0; c < 3; ++c) marked[mesh.triangles[t][c]] = true;
@@ -198,7 +73,25 @@ void keepAround(const Mesh& mesh, const std::vector<std::uint32_t>& triangles, i
     marked.swap(wider);
   }
   for (std::size_t i = 0; i < marked.size(); ++i)
-    if (marked[i]) keeps[i] = true;
+    if (marked[i]) tolerances[i] /= 2;
+  return marked;
+}
+
+/// Keeps the extents: the samples of the outermost points have to stay on the surface. Those beside them may only leave
+/// the plane as far as rounding does, so that a flat base stays as large as it is.
+void keepExtents(const Mesh& mesh, std::vector<float>& tolerances) {
+  constexpr float kRounding = 1e-3F;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [low, high] =
+        std::minmax_element(mesh.points.begin(), mesh.points.end(),
+                            [&](const openvdb::Vec3d& p, const openvdb::Vec3d& q) { return p[axis] < q[axis]; });
+    for (const auto outermost : {low, high}) {
+      for (std::size_t i = 0; i < mesh.points.size(); ++i)
+        if (std::abs(mesh.points[i][axis] - (*outermost)[axis]) < static_cast<double>(kRounding))
+          tolerances[i] = std::min(tolerances[i], kRounding);
+      tolerances[static_cast<std::size_t>(outermost - mesh.points.begin())] = 0;
+    }
+  }
 }
 
 AdaptedMesh unchanged(const Mesh& mesh) {
@@ -224,19 +117,25 @@ AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor) {
   const HalfedgeMesh halfedges = toHalfedges(scaled);
   const SurfaceSearch whole(scaled.points, scaled.triangles);
   constexpr double kLimit = 1 - 1e-9;  // leaves room for rounding
-  std::vector<bool> keeps(mesh.points.size(), false);
+  constexpr int kRings = 2;
+  std::vector<float> tolerances(mesh.points.size(), kShareOfSamples);
+  keepExtents(scaled, tolerances);
+  std::vector<bool> changed(mesh.points.size(), true);
+  std::vector<Collapse> history;
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     monitor.throwIfCancelled();
-    AdaptedMesh result = collapsed(halfedges, keeps, kShareOfSamples);
+    HalfedgeMesh collapsed = halfedges;
+    collapseWithin(collapsed, scaled, whole, tolerances, changed, history, monitor);
+    AdaptedMesh result = remainderOf(collapsed);
     const Mesh coarse = meshOf(result, scaled);
     std::vector<std::uint32_t> failed;
     for (const FarPlace& place : placesFartherThan(kLimit, coarse, scaled, whole, monitor))
-      failed.push_back(place.otherTriangle);
+      if (const auto nearest = whole.nearest(place.place)) failed.push_back(nearest->triangle);
     const SurfaceSearch search(coarse.points, coarse.triangles);
     for (const FarPlace& place : placesFartherThan(kLimit, scaled, coarse, search, monitor))
       failed.push_back(place.triangle);
     if (failed.empty()) return result;
-    keepAround(scaled, failed, attempt + 2, keeps);
+    changed = tightenAround(scaled, failed, kRings, tolerances);
   }
   return unchanged(mesh);
 }

@@ -6,9 +6,10 @@
 /// small elsewhere.
 ///
 /// Points are only removed, never moved, so the attributes of the remaining points stay exact. Edges are collapsed in
-/// the order of the quadric error [Garland and Heckbert, SIGGRAPH 1997], by OpenMesh, whose link condition keeps closed
-/// 2-manifolds closed 2-manifolds. Afterwards it is proved that no point of either surface is farther from the other
-/// than the bound. Where the proof fails, the points around are kept, and the mesh is made again.
+/// the order of the quadric error [Garland and Heckbert, SIGGRAPH 1997], and closed 2-manifolds stay closed
+/// 2-manifolds. It is proved that no point of either surface is farther from the other than the bound: for new
+/// triangles, before an edge collapses; for the given mesh, afterwards. Where the latter proof fails, the mesh is made
+/// again with a smaller bound for what is around.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
@@ -24,6 +25,7 @@ struct AdaptedMesh {
   std::vector<openvdb::Vec3I> triangles;  ///< indices into points
 };
 
+/// The extents stay what they are.
 /// @param bound  world units, > 0: the maximum Hausdorff distance between the surfaces. It is proved for the whole
 ///               surfaces, not only for samples of them
 /// @throw std::invalid_argument  a bound that is not positive
