@@ -37,7 +37,7 @@ constexpr Usage kPrintUsage = {
     "fractal that this program made, VDB, PLY or OBJ, its true surface is computed again from the recipe in the file.",
     "  juliavdb print bunny.vdb -o bunny.stl --longest-side 60\n"
     "  juliavdb print bunny.vdb -o bunny.3mf --longest-side 60 --min-thickness 1.2 --flat-base 0.5\n"
-    "  juliavdb print bunny.vdb -o plain.stl --longest-side 60 --min-thickness 1.2 --thin drop --tolerance 0.05\n"
+    "  juliavdb print bunny.vdb -o plain.stl --longest-side 60 --min-thickness 1.2 --thin drop --tolerance 0.1\n"
     "  juliavdb print bunny.obj -o true.3mf --units in\n"
     "  juliavdb print grow.####.vdb -o part.####.stl --longest-side 60 --frames 1-2\n"};
 
@@ -69,7 +69,9 @@ std::vector<vdbtools::OptionSpec> printOptionSpecs() {
        .help = "how many pieces to keep, the largest by volume"},
       {.name = "tolerance",
        .argument = "MM",
-       .help = "make triangles larger where that moves the surface by no more than this"},
+       .defaultValue = "0.05",
+       .help = "make triangles larger where that moves the surface by no more than this; 0 keeps all triangles. The "
+               "default is finer than what printers can do"},
       {.name = "resolution",
        .argument = "N",
        .help = "voxels along the longest side, for the thickness, the flat base and meshes that are not closed",
@@ -105,7 +107,9 @@ vdbtools::PrintOptions parsePrint(const CommandLine& line, std::optional<vdbtool
   if (reader.has("flat-base")) options.flatBase = length("flat-base");
   options.islands = reader.integer<std::uint64_t>("islands", 1, 1'000'000'000);
   if (reader.has("resolution")) options.resolution = reader.integer<std::uint64_t>("resolution", 20, 4000);
-  if (reader.has("tolerance")) options.tolerance = length("tolerance");
+  options.tolerance = reader.number("tolerance");
+  if (!(options.tolerance >= 0 && std::isfinite(options.tolerance)))
+    reader.refuse("tolerance", "0 or a length above it, in millimetres");
   return options;
 }
 

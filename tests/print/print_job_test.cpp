@@ -180,6 +180,18 @@ TEST(PrintJob, HasFewerTrianglesWithinATolerance) {
   EXPECT_LT(part.mesh.triangles.size(), ball.triangles.size() / 4);
 }
 
+// Promise: `--tolerance`: "neither mesh ..."
+TEST(PrintJob, KeepsItsSizeBaseAndThicknessWithinATolerance) {
+  PrintOptions options{.size = 30, .minThickness = 1.5, .flatBase = 3, .resolution = 90};
+  const PrintedPart exact = printed(hairyBall(), options);
+  options.tolerance = 0.1;
+  const PrintedPart part = printed(hairyBall(), options);
+  expectStands(part, 30);
+  EXPECT_LT(part.mesh.triangles.size(), exact.mesh.triangles.size() / 3);
+  EXPECT_NEAR(part.baseArea, exact.baseArea, 0.02 * exact.baseArea);
+  EXPECT_EQ(part.thinPlaces, 0u);
+}
+
 // Promise: A print drops islands but ...
 TEST(PrintJob, RefusesWhatIsNotClosedAndClosesItOnRequest) {
   const Mesh open = test_meshes::withoutTriangles(makeSphere(1, 4), [](const Vec3d& p) { return p[1] > 0.995; });

@@ -289,8 +289,9 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
     // Adding and cutting change the size, so the part is made again until it has the requested one.
     constexpr int kMostTries = 4;
     constexpr double kNearEnough = 0.002;
-    // Leaves room for the last, small change of the size, and for the lattice.
-    const double thickness = options.minThickness ? *options.minThickness * (1 + 2 * kNearEnough) : 0;
+    // Leaves room for the last, small change of the size, for the lattice, and for larger triangles on both sides.
+    const double thickness =
+        options.minThickness ? *options.minThickness * (1 + 2 * kNearEnough) + 2 * options.tolerance : 0;
     Mesh made;
     double change = 1;
     for (int attempt = 0; attempt < kMostTries; ++attempt) {
