@@ -17,9 +17,18 @@ namespace {
 
 using openvdb::Vec3d;
 
-/// A reference to a function that may be released in any thread, because the last evaluator with the function may end
-/// in any thread.
+/// Loads numpy before threads need it. pybind11 before 2.12 would load it when it makes its first array, in one of
+/// these threads: that one gives up the interpreter's lock meanwhile, and waits for it for ever once another one, which
+/// has it, waits for numpy.
+void loadNumpy() {
+  py::module_::import("numpy");
+  py::dtype::of<double>();
+}
+
+/// A reference to a function that may be called and released in any thread, because the last evaluator with the
+/// function may end in any thread.
 std::shared_ptr<py::object> heldInAnyThread(const py::object& function) {
+  loadNumpy();
   return {new py::object(function), [](py::object* object) {
             const py::gil_scoped_acquire lock;
             delete object;

@@ -157,7 +157,7 @@ class Makers(harness.CliTest):
     # Parts for printing.
 
     # Promise of printing.md: A part is "one closed piece, in millimetres, with z up, standing on z = 0"
-    # Promise: `--longest-side` is "The longest ..."
+    # Promise: `--longest-side`: "The longest ..."
     def test_a_part_has_the_size_in_every_format(self):
         self.fractal()
         for name in ("s.obj", "f.vdb", "f.ply"):
@@ -192,7 +192,7 @@ class Makers(harness.CliTest):
             self.assertTrue(any(tuple(a + b for a, b in zip(cell, step)) in near for step in steps), point)
 
     # Promise of printing.md: `--tolerance`: "with the same extents; 0.05 mm by default"
-    # Promise: `--longest-side` is "The longest ..."
+    # Promise of printing.md: `--longest-side`: "The longest side of the finished part"
     def test_the_size_does_not_depend_on_the_tolerance(self):
         points, faces = harness.sphere(4)
         self.write("plate.obj", harness.obj(([(x, 0.05 * y, z) for x, y, z in points], faces)))

@@ -7,6 +7,7 @@ import inspect
 import os
 import pathlib
 import re
+import subprocess
 import sys
 import threading
 import unittest
@@ -604,6 +605,22 @@ class Versors(ModuleTest):
         alone = np.array([field(point[None])[0] for point in points[:20]])
         self.assertTrue(np.array_equal(alone, field(points)[:20]))
         self.assertTrue(np.array_equal(field.render(size=(40, 40), samples=1), same.render(size=(40, 40), samples=1)))
+
+    # Promise: A versor that is a function ...
+    def test_a_function_needs_no_numpy_of_its_own(self):
+        """Many threads ask it at once, and the first of them must not have to load numpy."""
+        self.write("t.obj", harness.obj(self.mesh))
+        script = """
+import juliavdb
+def constant(points):
+    return [[0.3, 0.4, 0.5]] * len(points)
+for threads in (1, 8):
+    print(len(juliavdb.fractal("t.obj", resolution=24, sdf_resolution=24, texture=constant, threads=threads).vertices))
+"""
+        for _ in range(3):
+            run = subprocess.run([sys.executable, "-c", script], cwd=self.folder, capture_output=True, text=True, timeout=120)
+            self.assertEqual(run.stderr, "")
+            self.assertEqual(len(set(run.stdout.split())), 1, run.stdout)
 
     # Promise: A versor that is a function ...
     def test_what_a_function_raises_the_call_raises(self):
