@@ -614,7 +614,7 @@ class Versors(ModuleTest):
 import juliavdb
 def constant(points):
     return [[0.3, 0.4, 0.5]] * len(points)
-for threads in (1, 8):
+for threads in (8, 1):
     print(len(juliavdb.fractal("t.obj", resolution=24, sdf_resolution=24, texture=constant, threads=threads).vertices))
 """
         for _ in range(3):
