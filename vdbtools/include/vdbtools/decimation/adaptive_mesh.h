@@ -7,9 +7,8 @@
 ///
 /// Points are only removed, never moved, so the attributes of the remaining points stay exact. Edges are collapsed in
 /// the order of the quadric error [Garland and Heckbert, SIGGRAPH 1997], and closed 2-manifolds stay closed
-/// 2-manifolds. It is proved that no point of either surface is farther from the other than the bound: for new
-/// triangles, before an edge collapses; for the given mesh, afterwards. Where the latter proof fails, the mesh is made
-/// again with a smaller bound for what is around.
+/// 2-manifolds. Afterwards it is proved that no point of either surface is farther from the other than the bound. Where
+/// the proof fails, the mesh is made again with a smaller bound for what is around.
 #pragma once
 
 #include "vdbtools/base/monitor.h"
