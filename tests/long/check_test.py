@@ -68,7 +68,8 @@ class Trial(unittest.TestCase):
         (self.folder / "pieces.json").write_text(json.dumps(told))
 
     def words(self, *words):
-        return [sys.executable, "-c", PROGRAM, str(HERE), str(self.root), "--into", str(self.root / "build"), *words]
+        """One piece at a time, unless the words say otherwise."""
+        return [sys.executable, "-c", PROGRAM, str(HERE), str(self.root), "--into", str(self.root / "build"), "--jobs", "1", *words]
 
     def run_it(self, *words, code=0):
         done = subprocess.run(self.words(*words), capture_output=True, text=True)
@@ -82,9 +83,9 @@ class Trial(unittest.TestCase):
         path.unlink(missing_ok=True)
         return names
 
-    def begin(self, name):
+    def begin(self, name, *words):
         """Starts the program. @return it, when it is at a piece"""
-        process = subprocess.Popen(self.words(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen(self.words(*words), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         path = self.folder / "ran"
         while not path.exists() or name not in path.read_text().split():
             self.assertIsNone(process.poll())
@@ -140,6 +141,51 @@ class Stopping(Trial):
         self.assertEqual(self.ran(), ["first"])
 
 
+class AtOnce(Trial):
+    def meeting(self, name, other):
+        """A command that ends with 0 only if the other one runs beside it."""
+        return f"touch '{self.folder}/{name}'; for i in $(seq 200); do [ -e '{self.folder}/{other}' ] && exit 0; sleep 0.05; done; exit 1"
+
+    # Promise of reliability.md: "It runs as many at once as there are processors, or as `--jobs` says"
+    def test_two_pieces_run_at_once(self):
+        self.put(first=self.meeting("a", "b"), second=self.meeting("b", "a"), third="")
+        self.assertIn("3 of 3 tests passed", self.run_it("--jobs", "2").stdout)
+        runs = json.loads(self.state.read_text())["pieces"]
+        self.assertEqual(sorted(self.ran()), sorted(runs))
+        for words in ("0", "-1", "two"):
+            self.run_it("--jobs", words, code=2)
+
+    def test_no_more_than_it_is_told(self):
+        # Each takes a place that only one can have at a time.
+        one = f"mkdir '{self.folder}/place' || exit 1; sleep 0.1; rmdir '{self.folder}/place'"
+        self.put(**{name: one for name in ("first", "second", "third")})
+        self.run_it("--jobs", "1")
+
+    def test_nothing_runs_beside_what_others_stand_on(self):
+        one = f"mkdir '{self.folder}/place' || exit 1; sleep 0.2; rmdir '{self.folder}/place'"
+        self.put_all([["fetch", one, True, 0], ["build", one, True, 0], ["first", f"[ ! -e '{self.folder}/place' ]", False, 0]])
+        self.run_it("--jobs", "4")
+        self.assertEqual(self.ran(), ["fetch", "build", "first"])
+
+    # Promise: "the same command goes on where ..."
+    def test_all_that_run_are_stopped(self):
+        self.put(first="sleep 600 & wait", second="sleep 600 & wait", third="")
+        process = self.begin("second", "--jobs", "2")
+        process.terminate()
+        said, _ = process.communicate()
+        self.assertEqual(process.returncode, 75, said)
+        self.assertRegex(said, "stopped in the middle of '(first' and 'second|second' and 'first)', which begin anew")
+        self.assertFalse(self.state.exists())
+
+    def test_the_cpu_time_of_each(self):
+        busy = f"{sys.executable} -c 'import time\nwhile time.process_time() < 0.5: pass'"
+        self.put(busy=busy, idle=f"while ! grep -q busy '{self.folder}/ran'; do sleep 0.1; done; sleep 1")
+        self.run_it("--jobs", "2")
+        runs = json.loads(self.state.read_text())["pieces"]
+        self.assertGreaterEqual(runs["busy"][0]["cpu"], 0.5)
+        self.assertLess(runs["idle"][0]["cpu"], 0.4)
+
+
 class Results(Trial):
     # Promise of reliability.md: "The exit code is 0 if all pieces of the check have passed, 1 if one failed"
     def test_a_piece_that_fails(self):
@@ -182,6 +228,23 @@ class Results(Trial):
         self.assertEqual(self.ran(), [])
         self.run_it("--again", "--only", "first")
         self.assertEqual(self.ran(), ["first"])
+        self.assertIn("1 of them on another tree", self.run_it("--status").stdout)
+
+    # Promise of reliability.md: "A commit that changes only pages and the record of ten billion triangles makes no other tree"
+    def test_pages_change_nothing(self):
+        self.put(first="")
+        self.run_it()
+        page, record = self.root / "docs/page.md", self.root / "reproduce/data/ten-billion/tasks.tsv"
+        for path in (page, record):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text("words")
+        for commit in (lambda: None, self.commit):
+            commit()
+            said = self.run_it("--status").stdout
+            self.assertNotIn("another tree", said)
+            self.assertNotIn("not committed", said)
+        page.with_suffix(".png").write_text("a picture")
+        self.commit()
         self.assertIn("1 of them on another tree", self.run_it("--status").stdout)
 
     # Promise: "Results of another commit, ..."

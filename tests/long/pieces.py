@@ -5,6 +5,7 @@ A check keeps everything in its folder, build/NAME: state.json with the results,
 a whole after each piece, so a run may end at any moment, by whatever means; only the piece that it was at begins anew.
 """
 import argparse
+import concurrent.futures
 import dataclasses
 import datetime
 import fcntl
@@ -13,7 +14,6 @@ import json
 import os
 import pathlib
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -25,6 +25,7 @@ PASSED, SKIPPED, FAILED = "passed", "skipped", "failed"
 FAILURE, USAGE, BAD_DATA, CANNOT_CREATE, STOPPED = 1, 2, 65, 73, 75
 SLICE = 300.0  # seconds that a piece with a goal runs at a time, and so the most that a stop can lose of it
 PATIENCE = 30.0  # seconds that a piece has to end when it is told to
+PAGES = ("*.md", "reproduce/data/ten-billion")  # what no piece depends on, so that a result stays one of the commit it was made on
 
 
 class Refused(Exception):
@@ -60,13 +61,15 @@ class Check:
 
 
 def tree_of(root):
-    """The commit of the checkout, and a hash of what is changed in it, which is empty if nothing is. A copy of the files alone,
-    as tools/on-debian makes it, is of the commit that JULIAVDB_COMMIT names."""
+    """The last commit of the checkout that changed more than pages, and a hash of what is changed in it beside them, which is
+    empty if nothing is. A copy of the files alone, as tools/on-debian makes it, is of the commit that JULIAVDB_COMMIT names."""
+    files = ["--", ".", *(f":(exclude){name}" for name in PAGES)]
+
     def git(*words):
-        return subprocess.run(["git", "-C", root, *words], capture_output=True, check=True).stdout
+        return subprocess.run(["git", "-C", root, *words, *files], capture_output=True, check=True).stdout
 
     try:
-        commit = git("rev-parse", "--short=8", "HEAD").decode().strip()
+        commit = git("log", "-1", "--abbrev=8", "--format=%h").decode().strip()
         changes = git("diff", "HEAD", "--binary") + git("ls-files", "--others", "--exclude-standard")
     except (OSError, subprocess.CalledProcessError):
         return {"commit": os.environ.get("JULIAVDB_COMMIT") or "unknown", "changes": ""}
@@ -108,10 +111,13 @@ class State:
 
 
 class Runner:
-    def __init__(self, check, folder, root=ROOT):
+    """@param jobs  how many pieces run at once. The basis is made piece by piece, with nothing beside it"""
+
+    def __init__(self, check, folder, root=ROOT, jobs=1):
         self.check = check
         self.folder = folder
         self.root = root
+        self.jobs = jobs
         self.state = State(folder)
         self.tree = tree_of(root)
         self.signal = 0
@@ -151,67 +157,84 @@ class Runner:
                 del self.state.runs[name]
         self.state.save()
 
-    def next_piece(self, pattern):
+    def next_piece(self, pattern, at_work):
+        """@param at_work  the names of the pieces that are being run"""
         self.tree = tree_of(self.root)
         for piece in self.check.pieces(False):
             if self.made.get(piece.name) != self.tree:
                 return piece
         left = [piece for piece in self.listed()[0]
-                if not piece.basis and pattern.search(piece.name) and self.outcome(piece) is None]
+                if not piece.basis and piece.name not in at_work and pattern.search(piece.name) and self.outcome(piece) is None]
         # Of those with a goal, the one that had the least, so that all get something if there is little time.
         return min(left, key=lambda piece: self.state.seconds(piece.name) if piece.goal else 0, default=None)
 
     def run(self, pattern, until):
         """Runs what is left. @return the exit code"""
-        while True:
-            if self.signal or time.monotonic() >= until:
-                return self.stopped("")
-            piece = self.next_piece(pattern)
-            if piece is None:
-                return self.ended(pattern)
-            run = self.run_piece(piece, until)
-            if run is None:
-                return self.stopped(piece.name)
+        at_work = {}  # the pieces that are being run, and their results to come
+        stopped, broken = [], False
+        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+            while True:
+                goes_on = not (self.signal or time.monotonic() >= until or broken) and len(at_work) < self.jobs
+                piece = self.next_piece(pattern, {each.name for each in at_work.values()}) if goes_on else None
+                if piece and not (piece.basis and at_work):
+                    at_work[pool.submit(self.run_piece, piece, until)] = piece
+                    if not piece.basis:
+                        continue
+                if not at_work:
+                    break
+                for result in concurrent.futures.wait(at_work, return_when=concurrent.futures.FIRST_COMPLETED).done:
+                    piece, run = at_work.pop(result), result.result()
+                    if run is None:
+                        stopped.append(piece.name)
+                        continue
+                    self.keep(piece, run)
+                    broken = broken or (piece.basis and run["outcome"] == FAILED)
+        if broken:
+            return FAILURE
+        if stopped or self.signal or time.monotonic() >= until:
+            return self.stopped(stopped)
+        return self.ended(pattern)
+
+    def keep(self, piece, run):
+        if piece.basis:
+            self.made[piece.name], self.known = self.tree, None
+        kept = self.state.runs.get(piece.name, []) if piece.goal else []
+        self.state.runs[piece.name] = kept + [run]
+        self.state.save()
+        print(f"{self.check.name}: {run['outcome'].upper() if run['outcome'] == FAILED else run['outcome']} "
+              f"{piece.name}, {run['seconds']:.0f} s", flush=True)
+        if run["outcome"] == FAILED:
+            print(f"  {run['log']}", flush=True)
             if piece.basis:
-                self.made[piece.name], self.known = self.tree, None
-            kept = self.state.runs.get(piece.name, []) if piece.goal else []
-            self.state.runs[piece.name] = kept + [run]
-            self.state.save()
-            print(f"{self.check.name}: {run['outcome'].upper() if run['outcome'] == FAILED else run['outcome']} "
-                  f"{piece.name}, {run['seconds']:.0f} s", flush=True)
-            if run["outcome"] == FAILED:
-                print(f"  {run['log']}", flush=True)
-                if piece.basis:
-                    print(f"{self.check.name}: nothing can be run before '{piece.name}' passes", flush=True)
-                    return FAILURE
+                print(f"{self.check.name}: nothing can be run before '{piece.name}' passes", flush=True)
 
     def run_piece(self, piece, until):
         """@return the record of what was run; None if it was stopped"""
+        tree = self.tree
         part = min(SLICE, piece.goal - self.state.seconds(piece.name), until - time.monotonic()) if piece.goal else 0
         part = max(1, round(part))
         if piece.goal:
             until = time.monotonic() + part + 4 * PATIENCE  # it ends by itself
         log = self.folder / "logs" / (re.sub(r"[^\w.+-]+", "_", piece.name) + ".log")
         log.parent.mkdir(parents=True, exist_ok=True)
-        begin, clock, used = time.time(), time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
+        begin, clock, cpu, code = time.time(), time.monotonic(), 0.0, 0
         with open(log, "w", encoding="utf-8") as file:
             for command in piece.commands:
                 words = [str(word).replace("{seconds}", str(part)) if piece.goal else str(word) for word in command]
-                code = self.run_command(words, piece.environment, file, until)
+                code, used = self.run_command(words, piece.environment, file, until)
+                cpu += used
                 if code is None or (code and self.signal):  # a machine that goes down ends both
                     return None
                 if code:
                     file.write(f"\nended with {code}: {' '.join(words)}\n")
                     break
         outcome, facts = (FAILED, {}) if code else piece.judge(log, begin) if piece.judge else (PASSED, {})
-        now = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return {"outcome": outcome, "seconds": round(time.monotonic() - clock, 1),
-                "cpu": round(now.ru_utime + now.ru_stime - used.ru_utime - used.ru_stime, 1), **self.tree,
+        return {"outcome": outcome, "seconds": round(time.monotonic() - clock, 1), "cpu": round(cpu, 1), **tree,
                 "where": self.check.where, "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d"),
                 "log": os.path.relpath(log, self.root), **facts}
 
     def run_command(self, words, environment, log, until):
-        """@return the exit code of a command, or None if it was stopped"""
+        """@return the exit code of a command, or None if it was stopped, and the CPU seconds that it took"""
         log.write(f"$ {' '.join(words)}\n")
         log.flush()
         try:  # in a session of its own, so that everything it has started can be ended with it
@@ -219,23 +242,37 @@ class Runner:
                                        env={**os.environ, **environment}, start_new_session=True)
         except OSError as error:
             log.write(f"{words[0]}: {error.strerror}\n")
-            return 127
-        while True:
-            try:
-                return process.wait(timeout=0.2)
-            except subprocess.TimeoutExpired:
-                if self.signal or time.monotonic() >= until:
-                    break
+            return 127, 0.0
+
+        def waited(seconds):
+            """@return what the command has used, or None if it has not ended in this time"""
+            end = time.monotonic() + seconds
+            while True:
+                number, status, used = os.wait4(process.pid, os.WNOHANG)
+                if number:
+                    process.returncode = os.waitstatus_to_exitcode(status)
+                    return used.ru_utime + used.ru_stime
+                if time.monotonic() >= end:
+                    return None
+                time.sleep(0.05)
+
+        while (used := waited(0.2)) is None:
+            if self.signal or time.monotonic() >= until:
+                break
+        else:
+            return process.returncode, used
         for number in (signal.SIGTERM, signal.SIGKILL):
             try:
                 os.killpg(process.pid, number)
-                process.wait(timeout=PATIENCE)
-            except (ProcessLookupError, subprocess.TimeoutExpired):
+            except ProcessLookupError:
                 pass
-        return None
+            if process.returncode is None:
+                waited(PATIENCE)
+        return None, 0.0
 
-    def stopped(self, name):
-        at = f" in the middle of '{name}', which begins anew" if name else ""
+    def stopped(self, names):
+        what = " and ".join(f"'{name}'" for name in names)
+        at = f" in the middle of {what}, which begin{'' if len(names) > 1 else 's'} anew" if names else ""
         print(f"{self.check.name}: stopped{at}; the same command goes on", flush=True)
         return STOPPED
 
@@ -345,6 +382,12 @@ def regular(text):
         raise argparse.ArgumentTypeError(f"'{text}' is no regular expression: {error}") from error
 
 
+def count(text):
+    if not int(text) > 0:
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of pieces; give 1 or more")
+    return int(text)
+
+
 def minutes(text):
     if not float(text) > 0:
         raise argparse.ArgumentTypeError(f"'{text}' is no time; give minutes above 0")
@@ -354,6 +397,8 @@ def minutes(text):
 def add_options(parser):
     parser.add_argument("--again", action="store_true", help="repeat what failed, and what was run on another commit or system")
     parser.add_argument("--minutes", type=minutes, default=float("inf"), metavar="M", help="stop after so many minutes")
+    parser.add_argument("--jobs", type=count, default=len(os.sched_getaffinity(0)), metavar="N",
+                        help="how many pieces run at once; one for each processor if not given")
     parser.add_argument("--only", type=regular, default=re.compile(""), metavar="REGEX", help="only pieces whose names match")
     parser.add_argument("--into", type=pathlib.Path, default=ROOT / "build", metavar="FOLDER", help="in place of build")
     telling = parser.add_mutually_exclusive_group()
@@ -378,7 +423,7 @@ def work(checks, options, root=ROOT):
                 (runner.print_list if options.list else runner.print_status)()
             continue
         with locked(folder):
-            runner = Runner(check, folder, root)
+            runner = Runner(check, folder, root, options.jobs)
             if runner.tree["changes"]:
                 print(f"{check.name}: this tree has changes that are not committed; results say "
                       f"'{runner.tree['commit']}+changes'", flush=True)
