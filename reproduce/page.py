@@ -73,8 +73,7 @@ def section(entry, result, values, pictures):
 
 
 def write_data(data, entries, runner):
-    """Writes the tables of the results into the folders SIZE of `data`, and the hashes of all its files but those of the record
-    that grows."""
+    """Writes the tables of the results into the folders SIZE of `data`, and the hashes of all its files."""
     for size in harness.SIZES:
         shutil.rmtree(data / size, ignore_errors=True)
     for entry in entries:
@@ -83,8 +82,7 @@ def write_data(data, entries, runner):
             place = data / result["size"]
             place.mkdir(parents=True, exist_ok=True)
             (place / f"{entry.name}.csv").write_text(tables.as_csv(runner.values(entry, result)))
-    files = sorted(path for path in data.rglob("*") if path.is_file() and path.name not in ("README.md", "SHA256SUMS")
-                   and path.parent.name != "ten-billion")
+    files = sorted(path for path in data.rglob("*") if path.is_file() and path.name not in ("README.md", "SHA256SUMS"))
     (data / "SHA256SUMS").write_text("".join(f"{harness.sha256(path)}  {path.relative_to(data)}\n" for path in files))
 
 

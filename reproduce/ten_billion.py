@@ -337,7 +337,9 @@ def summary(record):
     if record.torn:
         lines.append(f"the last line of {record.folder / TASKS} has no end and is not counted; --resume makes its task again")
     for number, (version, machine) in record.makers.items():
-        lines.append(f"{sum(one.by == number for one in made)} of them by {version} on {machine}")
+        theirs = [one for one in made if one.by == number]
+        cost = sum(one.cpu for one in theirs) / max(sum(one.triangles for one in theirs), 1) * 1e6
+        lines.append(f"{len(theirs)} of them by {version} on {machine}, {cost:.2f} microseconds a triangle")
     return lines
 
 
