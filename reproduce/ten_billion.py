@@ -312,6 +312,12 @@ def estimated(values, tasks):
     return total, max(total - error, sum(values)), total + error
 
 
+def cost(made):
+    """What a triangle of some tasks took, in words."""
+    microseconds = 1e6 * sum(one.cpu for one in made) / max(sum(one.triangles for one in made), 1)
+    return f"{microseconds:.2f} microseconds a triangle"
+
+
 def summary(record):
     """How far a record is, as lines."""
     made = list(record.made.values())
@@ -320,8 +326,7 @@ def summary(record):
     triangles, cpu = sum(one.triangles for one in made), sum(one.cpu for one in made)
     memory = [one.memory for one in made]
     lines = [f"{len(made)} of {record.tasks} tasks are made: {grouped(triangles)} triangles in {cpu / 3600:.2f} CPU hours, "
-             f"{cpu / max(triangles, 1) * 1e6:.2f} microseconds a triangle, {statistics.median(memory):.0f} MiB a task in the "
-             f"median and {max(memory)} at most"]
+             f"{cost(made)}, {statistics.median(memory):.0f} MiB a task in the median and {max(memory)} at most"]
     if len(made) == record.tasks:
         in_order = [record.made[task] for task in sorted(record.made)]
         corners = [list(map(float, one.box.split(" "))) for one in made if one.box != "-"]
@@ -338,8 +343,7 @@ def summary(record):
         lines.append(f"the last line of {record.folder / TASKS} has no end and is not counted; --resume makes its task again")
     for number, (version, machine) in record.makers.items():
         theirs = [one for one in made if one.by == number]
-        cost = sum(one.cpu for one in theirs) / max(sum(one.triangles for one in theirs), 1) * 1e6
-        lines.append(f"{len(theirs)} of them by {version} on {machine}, {cost:.2f} microseconds a triangle")
+        lines.append(f"{len(theirs)} of them by {version} on {machine}, {cost(theirs)}")
     return lines
 
 

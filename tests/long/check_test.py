@@ -69,7 +69,8 @@ class Trial(unittest.TestCase):
 
     def words(self, *words):
         """One piece at a time, unless the words say otherwise."""
-        return [sys.executable, "-c", PROGRAM, str(HERE), str(self.root), "--into", str(self.root / "build"), "--jobs", "1", *words]
+        folders = [str(HERE), str(self.root), "--into", str(self.root / "build")]
+        return [sys.executable, "-c", PROGRAM, *folders, "--jobs", "1", *words]
 
     def run_it(self, *words, code=0):
         done = subprocess.run(self.words(*words), capture_output=True, text=True)
@@ -144,7 +145,12 @@ class Stopping(Trial):
 class AtOnce(Trial):
     def meeting(self, name, other):
         """A command that ends with 0 only if the other one runs beside it."""
-        return f"touch '{self.folder}/{name}'; for i in $(seq 200); do [ -e '{self.folder}/{other}' ] && exit 0; sleep 0.05; done; exit 1"
+        return (f"touch '{self.folder}/{name}'; "
+                f"for i in $(seq 600); do [ -e '{self.folder}/{other}' ] && exit 0; sleep 0.05; done; exit 1")
+
+    def alone(self):
+        """A command that takes a place which only one can have at a time, and so fails beside another one."""
+        return f"mkdir '{self.folder}/place' || exit 1; sleep 0.2; rmdir '{self.folder}/place'"
 
     # Promise of reliability.md: "It runs as many at once as there are processors, or as `--jobs` says"
     def test_two_pieces_run_at_once(self):
@@ -156,14 +162,12 @@ class AtOnce(Trial):
             self.run_it("--jobs", words, code=2)
 
     def test_no_more_than_it_is_told(self):
-        # Each takes a place that only one can have at a time.
-        one = f"mkdir '{self.folder}/place' || exit 1; sleep 0.1; rmdir '{self.folder}/place'"
-        self.put(**{name: one for name in ("first", "second", "third")})
+        self.put(**dict.fromkeys(("first", "second", "third"), self.alone()))
         self.run_it("--jobs", "1")
 
     def test_nothing_runs_beside_what_others_stand_on(self):
-        one = f"mkdir '{self.folder}/place' || exit 1; sleep 0.2; rmdir '{self.folder}/place'"
-        self.put_all([["fetch", one, True, 0], ["build", one, True, 0], ["first", f"[ ! -e '{self.folder}/place' ]", False, 0]])
+        first = f"[ ! -e '{self.folder}/place' ]"
+        self.put_all([["fetch", self.alone(), True, 0], ["build", self.alone(), True, 0], ["first", first, False, 0]])
         self.run_it("--jobs", "4")
         self.assertEqual(self.ran(), ["fetch", "build", "first"])
 

@@ -244,22 +244,19 @@ class Runner:
             log.write(f"{words[0]}: {error.strerror}\n")
             return 127, 0.0
 
-        def waited(seconds):
-            """@return what the command has used, or None if it has not ended in this time"""
-            end = time.monotonic() + seconds
+        def waited(over):
+            """@return the CPU seconds of the command when it has ended; None if over() is true before"""
             while True:
                 number, status, used = os.wait4(process.pid, os.WNOHANG)
                 if number:
                     process.returncode = os.waitstatus_to_exitcode(status)
                     return used.ru_utime + used.ru_stime
-                if time.monotonic() >= end:
+                if over():
                     return None
                 time.sleep(0.05)
 
-        while (used := waited(0.2)) is None:
-            if self.signal or time.monotonic() >= until:
-                break
-        else:
+        used = waited(lambda: self.signal or time.monotonic() >= until)
+        if used is not None:
             return process.returncode, used
         for number in (signal.SIGTERM, signal.SIGKILL):
             try:
@@ -267,7 +264,8 @@ class Runner:
             except ProcessLookupError:
                 pass
             if process.returncode is None:
-                waited(PATIENCE)
+                patience = time.monotonic() + PATIENCE
+                waited(lambda: time.monotonic() >= patience)
         return None, 0.0
 
     def stopped(self, names):
