@@ -18,13 +18,6 @@ using test_meshes::makeSphere;
 using test_meshes::transformed;
 using vdbtools::Mesh;
 
-Mesh meshOf(const vdbtools::AdaptedMesh& adapted, const Mesh& mesh) {
-  Mesh result;
-  for (const std::uint32_t point : adapted.points) result.points.push_back(mesh.points[point]);
-  result.triangles = adapted.triangles;
-  return result;
-}
-
 /// A ball with two long horns: flat, round and sharp places.
 Mesh horned(int subdivisions) {
   Mesh mesh = makeSphere(1, subdivisions);
@@ -34,12 +27,6 @@ Mesh horned(int subdivisions) {
       p *= 1 + 1.5 * std::exp(-50 * angle * angle);
     }
   return mesh;
-}
-
-openvdb::BBoxd boxOf(const Mesh& mesh) {
-  openvdb::BBoxd box;
-  for (const Vec3d& p : mesh.points) box.expand(p);
-  return box;
 }
 
 /// The greatest distance of random places on a surface from another one.
@@ -70,7 +57,7 @@ TEST(AdaptiveMesh, StaysClosedAndWithinTheBoundOfBothSurfaces) {
     EXPECT_TRUE(std::is_sorted(adapted.points.begin(), adapted.points.end()));
     EXPECT_LE(sampledDistance(coarse, mesh), bound);
     EXPECT_LE(sampledDistance(mesh, coarse), bound);
-    EXPECT_EQ(boxOf(coarse), boxOf(mesh));
+    EXPECT_EQ(boundingBox(coarse), boundingBox(mesh));
     EXPECT_LT(coarse.triangles.size(), before) << bound;
     before = coarse.triangles.size();
   }
@@ -98,7 +85,7 @@ TEST(AdaptiveMesh, APlaneTakesAFewTriangles) {
   vdbtools::Monitor monitor;
   const Mesh coarse = meshOf(vdbtools::adaptedMesh(mesh, 0.02, monitor), mesh);
   EXPECT_EQ(mesh_laws::notClosedManifold(coarse), "");
-  EXPECT_EQ(boxOf(coarse), boxOf(mesh));
+  EXPECT_EQ(boundingBox(coarse), boundingBox(mesh));
   EXPECT_LT(coarse.triangles.size(), mesh.triangles.size() / 10);  // the rest are teeth along the edges
   EXPECT_LE(sampledDistance(mesh, coarse), 0.02);
 }

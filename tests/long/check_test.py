@@ -191,6 +191,13 @@ class AtOnce(Trial):
 
 
 class Results(Trial):
+    def test_each_piece_has_a_log_of_its_own(self):
+        self.put(**{"a b": "echo one", "a_b": "echo two", "a/b": "echo three"})
+        self.run_it()
+        runs = json.loads(self.state.read_text())["pieces"]
+        self.assertEqual([(self.root / runs[name][0]["log"]).read_text().splitlines()[-1] for name in ("a b", "a_b", "a/b")],
+                         ["one", "two", "three"])
+
     # Promise of reliability.md: "The exit code is 0 if all pieces of the check have passed, 1 if one failed"
     def test_a_piece_that_fails(self):
         self.put(first="", second="echo it broke; exit 3", third="")

@@ -76,6 +76,12 @@ def tree_of(root):
     return {"commit": commit, "changes": hashlib.sha256(changes).hexdigest()[:8] if changes else ""}
 
 
+def file_name(name):
+    """Another one for each name: the characters that it should not have are replaced, and a hash tells such names apart."""
+    kept = re.sub(r"[^\w.+-]+", "_", name)
+    return kept if kept == name else f"{kept}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+
+
 class State:
     """The results of a check, in a file that is replaced as a whole."""
 
@@ -215,7 +221,7 @@ class Runner:
         part = max(1, round(part))
         if piece.goal:
             until = time.monotonic() + part + 4 * PATIENCE  # it ends by itself
-        log = self.folder / "logs" / (re.sub(r"[^\w.+-]+", "_", piece.name) + ".log")
+        log = self.folder / "logs" / (file_name(piece.name) + ".log")
         log.parent.mkdir(parents=True, exist_ok=True)
         begin, clock, cpu, code = time.time(), time.monotonic(), 0.0, 0
         with open(log, "w", encoding="utf-8") as file:

@@ -28,6 +28,14 @@ TEST(MeshReport, CubeHasTheAreaAndVolumeOfACube) {
   EXPECT_EQ(report.box.max(), Vec3d(6, -2, 2));
 }
 
+TEST(Mesh, ItsBoundingBoxHoldsAlsoThePointsThatNoTriangleUses) {
+  vdbtools::Mesh mesh = makeCube(2, Vec3d(5, -3, 1));
+  EXPECT_EQ(boundingBox(mesh), reportMesh(mesh).box);
+  mesh.points.emplace_back(0, -3, 9);
+  EXPECT_EQ(boundingBox(mesh), openvdb::BBoxd(Vec3d(0, -4, 0), Vec3d(6, -2, 9)));
+  EXPECT_TRUE(boundingBox(vdbtools::Mesh{}).empty());
+}
+
 TEST(MeshReport, SphereConvergesToTheBallAtSecondOrder) {
   double lastArea = 0;
   double lastVolume = 0;

@@ -51,13 +51,6 @@ AdaptedMesh remainderOf(const HalfedgeMesh& mesh) {
   return result;
 }
 
-Mesh meshOf(const AdaptedMesh& adapted, const Mesh& mesh) {
-  Mesh result;
-  for (const std::uint32_t point : adapted.points) result.points.push_back(mesh.points[point]);
-  result.triangles = adapted.triangles;
-  return result;
-}
-
 /// Halves the tolerances at some triangles, and at @a rings rings of triangles around them, and returns at which
 /// points.
 std::vector<bool> tightenAround(const Mesh& mesh, const std::vector<std::uint32_t>& triangles, int rings,
@@ -138,6 +131,13 @@ AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor) {
     changed = tightenAround(scaled, failed, kRings, tolerances);
   }
   return unchanged(mesh);
+}
+
+Mesh meshOf(const AdaptedMesh& adapted, const Mesh& mesh) {
+  Mesh result;
+  for (const std::uint32_t point : adapted.points) result.points.push_back(mesh.points[point]);
+  result.triangles = adapted.triangles;
+  return result;
 }
 
 void AdaptiveMeshSink::addPoints(const PointBatch& batch) {

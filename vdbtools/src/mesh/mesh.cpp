@@ -105,6 +105,12 @@ MeshReport reportMesh(const Mesh& mesh) {
   return report;
 }
 
+openvdb::BBoxd boundingBox(const Mesh& mesh) {
+  openvdb::BBoxd box;
+  for (const openvdb::Vec3d& point : mesh.points) box.expand(point);
+  return box;
+}
+
 Mesh weldMesh(const Mesh& mesh) {
   checkIndices(mesh);
   std::vector<std::uint32_t> welded(mesh.points.size());

@@ -118,10 +118,7 @@ std::vector<MeshLevel> writeMesh(std::ostream& stream, const Mesh& mesh, const M
     return {};
   }
   MeshWriteOptions complete = options;
-  if (!complete.box) {
-    complete.box.emplace();
-    for (const Vec3d& point : mesh.points) complete.box->expand(point);
-  }
+  if (!complete.box) complete.box = boundingBox(mesh);
   const std::unique_ptr<MeshEncoder> made = encoderOf(complete);
   MeshEncoder& encoder = *made;
   BatchTurner turner(options);

@@ -45,12 +45,6 @@ void requireOptions(const PrintOptions& options) {
   if (options.islands == 0) throw std::invalid_argument("0 islands cannot be printed; keep 1 or more");
 }
 
-openvdb::BBoxd boxOf(const Mesh& mesh) {
-  openvdb::BBoxd box;
-  for (const Vec3d& point : mesh.points) box.expand(point);
-  return box;
-}
-
 /// The surfaces of a closed mesh that are connected through points.
 struct Shells {
   std::vector<std::uint32_t> ofTriangle;
@@ -143,13 +137,13 @@ MeshReport checkedReport(const Mesh& mesh) {
 
 /// Puts the mesh on its feet: its up axis points along z, and the middle of its base is at 0.
 void stand(Mesh& mesh) {
-  const openvdb::BBoxd box = boxOf(mesh);
+  const openvdb::BBoxd box = boundingBox(mesh);
   const Vec3d middle = box.getCenter(), base(middle[0], middle[1], box.min()[2]);
   for (Vec3d& point : mesh.points) point -= base;
 }
 
 void scaleTo(Mesh& mesh, double size) {
-  const double scale = size / longestSide(boxOf(mesh));
+  const double scale = size / longestSide(boundingBox(mesh));
   for (Vec3d& point : mesh.points) point *= scale;
 }
 
@@ -159,7 +153,7 @@ Mesh shaped(const Mesh& solid, const PrintOptions& options, double voxel, double
   openvdb::FloatGrid::Ptr grid = partLevelSet(solid, voxel, monitor);
   std::optional<double> floor;
   if (options.flatBase) {
-    const openvdb::BBoxd box = boxOf(solid);
+    const openvdb::BBoxd box = boundingBox(solid);
     floor = box.min()[2] + *options.flatBase;
     if (*floor > box.max()[2] - voxel)
       throw std::invalid_argument("a flat base of " + shortText(*options.flatBase) +
@@ -272,7 +266,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
   for (Vec3d& point : upright.points) point = turn(point);
   Mesh solid = keepIslands(upright, options.islands, &part);
   stand(solid);
-  const double given = longestSide(boxOf(solid));
+  const double given = longestSide(boundingBox(solid));
   if (!(given > 0)) throw DataError("the mesh has no extent");
   if (options.scale) {
     options.size = *options.scale * given;
@@ -296,7 +290,7 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
     double change = 1;
     for (int attempt = 0; attempt < kMostTries; ++attempt) {
       Mesh next = shaped(solid, options, part.voxelSize, thickness, part, monitor);
-      const double needed = options.size / longestSide(boxOf(next));
+      const double needed = options.size / longestSide(boundingBox(next));
       if (change > 1 + kNearEnough && needed < 1 - kNearEnough) {
         // The part was too small at one size and is too large at the next, because thin places appear and vanish, so
         // no size is exact. The smaller part is enlarged, which makes nothing thinner.
@@ -309,21 +303,17 @@ PrintedPart printedPart(const Mesh& mesh, const PrintOptions& asked, Monitor& mo
       for (Vec3d& point : solid.points) point *= change;
       scale *= change;
     }
-    scale *= options.size / longestSide(boxOf(made));
+    scale *= options.size / longestSide(boundingBox(made));
     solid = std::move(made);
     stand(solid);
     scaleTo(solid, options.size);
   }
   part.scale = scale;
   if (options.tolerance > 0) {
-    const AdaptedMesh adapted = adaptedMesh(solid, options.tolerance, monitor);
-    Mesh coarse;
-    for (const std::uint32_t point : adapted.points) coarse.points.push_back(solid.points[point]);
-    coarse.triangles = adapted.triangles;
-    solid = std::move(coarse);
+    solid = meshOf(adaptedMesh(solid, options.tolerance, monitor), solid);
     stand(solid);
   }
-  part.extents = boxOf(solid).extents();
+  part.extents = boundingBox(solid).extents();
   const std::vector<double> volumes = shellsOf(solid).volumes;
   part.volume = std::accumulate(volumes.begin(), volumes.end(), 0.);
   part.keptIslands = volumes.size();

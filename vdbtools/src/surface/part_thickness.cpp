@@ -22,9 +22,7 @@ constexpr double kHalfDiagonal = 0.8661;
 
 double voxelFor(const Mesh& mesh, double thickness) {
   constexpr double kVoxelsAcross = 5, kMostVoxels = 600;
-  openvdb::BBoxd box;
-  for (const Vec3d& point : mesh.points) box.expand(point);
-  const Vec3d extents = box.extents();
+  const Vec3d extents = boundingBox(mesh).extents();
   return std::max(thickness / kVoxelsAcross, std::max({extents[0], extents[1], extents[2]}) / kMostVoxels);
 }
 

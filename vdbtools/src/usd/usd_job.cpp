@@ -172,8 +172,7 @@ class MeshReader {
       });
     mMeshes.hasNormals = true;
     mMeshes.frames.push_back(number);
-    openvdb::BBoxd& box = mMeshes.boxes.emplace_back();
-    for (const openvdb::Vec3d& point : mMesh.points) box.expand(point);
+    mMeshes.boxes.push_back(boundingBox(mMesh));
   }
 
   /// The meshes for the scene, whose up axis is now known. This object must outlive the scene.

@@ -32,6 +32,10 @@ struct AdaptedMesh {
 /// @throw Interrupted
 AdaptedMesh adaptedMesh(const Mesh& mesh, double bound, Monitor& monitor);
 
+/// The adapted mesh as one of its own, with positions and triangles alone.
+/// @param mesh  the mesh that was adapted
+Mesh meshOf(const AdaptedMesh& adapted, const Mesh& mesh);
+
 /// Collects a mesh that arrives in pieces until it is complete, and then passes on the adapted mesh. The remaining
 /// points keep their normals and rows of columns.
 class AdaptiveMeshSink final : public MeshSink {

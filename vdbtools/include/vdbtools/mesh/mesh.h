@@ -65,6 +65,9 @@ struct MeshReport {
 /// @throw DataError  an index out of range
 MeshReport reportMesh(const Mesh& mesh);
 
+/// World units, of all points, also of those that no triangle uses; empty if there are none.
+openvdb::BBoxd boundingBox(const Mesh& mesh);
+
 /// Merges points of equal position (bit for bit, except that 0 equals -0) and drops the triangles that then repeat a
 /// corner. The edges of a soup such as STL mean nothing before this. A merged point takes the place, normal and
 /// attributes of its first occurrence; corners keep their texture coordinates.
