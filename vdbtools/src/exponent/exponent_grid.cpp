@@ -87,11 +87,7 @@ int stepsInReach(julia::Interpolation interpolation) {
 class Baker {
  public:
   Baker(const Target& target, const FractalSpace& space, const ExponentGridOptions& options, Monitor& monitor)
-      : mSpace(space),
-        mOptions(options),
-        mLaw(options, space.scale, target.phi->voxelSize()[0]),
-        mMonitor(monitor),
-        mTransform(target.phi->transform()) {
+      : mLaw(options, space.scale, target.phi->voxelSize()[0]), mMonitor(monitor), mTransform(target.phi->transform()) {
     const std::vector<const Leaf*> leaves = leavesOf(target.phi->tree());
     mLeaves.resize(leaves.size());
     monitor.begin(PhaseKind::Exponent, 2 * leaves.size());
@@ -174,8 +170,6 @@ class Baker {
     return leaf.release();
   }
 
-  FractalSpace mSpace;
-  const ExponentGridOptions& mOptions;
   ExponentLaw mLaw;
   Monitor& mMonitor;
   const openvdb::math::Transform& mTransform;
