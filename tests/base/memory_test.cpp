@@ -94,6 +94,16 @@ TEST_F(Memory, UsedBeyondALimitLeavesNothing) {
   EXPECT_EQ(leftMiB(), 0);
 }
 
+TEST(MemoryInAll, IsTheSmallestLimitAlsoOfAProcessThatHasMore) {
+  const double unset = memoryInAll();
+  EXPECT_GT(unset, residentMemory());
+  const MemoryLimit wide(unset + 1e9);
+  EXPECT_EQ(memoryInAll(), unset + 1e9);
+  const MemoryLimit narrow(residentMemory() / 2);
+  EXPECT_LT(memoryInAll(), residentMemory());
+  EXPECT_EQ(memoryLeft().bytes, 0);
+}
+
 TEST(MemoryText, HasTheUnitOfItsSize) {
   EXPECT_EQ(memoryText(1.5 * 1024 * kMiB), "1.5 GiB");
   EXPECT_EQ(memoryText(7), "7 bytes");

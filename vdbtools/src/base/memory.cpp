@@ -170,6 +170,11 @@ MemoryLeft memoryLeft(const fs::path& root) {
   return left;
 }
 
+double memoryInAll() {
+  const std::optional<double> limit = leastLimit();
+  return limit ? *limit : memoryLeft().bytes + residentMemory();
+}
+
 MemoryLeft addressSpaceLeft([[maybe_unused]] const fs::path& root) {
 #ifdef __EMSCRIPTEN__
   // What the allocator has been given back lies below the end of the heap, which never shrinks.

@@ -119,8 +119,7 @@ ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
   ChosenResolution chosen{.resolution = std::min(wanted, most)};
   if (wanted > most) chosen.limit = ChosenResolution::Limit::Most;
   if (!withinMemory) return chosen;
-  // The estimate is for the whole process, including the memory that it has now.
-  const double bytes = memoryLeft().bytes + residentMemory();
+  const double bytes = memoryInAll();  // the estimate is for the whole process, including the memory that it has now
   const Extent extent = extentOf(scene);
   for (; chosen.resolution > kTens && memoryAt(extent, side / chosen.resolution) > bytes; chosen.resolution -= kTens)
     chosen.limit = ChosenResolution::Limit::Memory;

@@ -67,6 +67,10 @@ double machineMemory();
 /// The resident memory of this process, bytes.
 double residentMemory(const std::filesystem::path& root = "/");
 
+/// The most memory that this process may have, bytes: the smallest MemoryLimit if there is one, even if the process has
+/// more, and otherwise what it has and what memoryLeft() leaves. Estimates for the whole process compare with it.
+double memoryInAll();
+
 /// While one exists, it sets the total memory that the process may take, in place of the limits of memoryLeft(). If
 /// several exist, e.g. in several threads, the smallest applies.
 class MemoryLimit {
