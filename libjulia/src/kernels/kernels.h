@@ -4,7 +4,7 @@
 /// that the compiler vectorises. A quaternion batch is four pointers, a b c d; outputs do not overlap inputs unless
 /// stated otherwise.
 ///
-/// Plain loops were compared with vector types and intrinsics (docs/performance.md). Split so that no loop carries a
+/// Plain loops were compared with vector types and intrinsics (docs/trials.md). Split so that no loop carries a
 /// long chain of dependent operations, they are the fastest and the simplest.
 #pragma once
 
