@@ -50,12 +50,18 @@ double distanceToMesh(const Mesh& mesh, const Vec3d& position) {
 Mesh makeMixture(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
-  const auto direction = [&] { return Vec3d(unit(random), unit(random), unit(random)); };
+  // One number in each statement: compilers evaluate arguments in different orders.
+  const auto direction = [&] {
+    Vec3d d;
+    for (int axis = 0; axis < 3; ++axis) d[axis] = unit(random);
+    return d;
+  };
   Mesh mesh;
   for (unsigned i = 0; i < 300; ++i) {
     const double size = std::pow(10.0, 1.5 * unit(random)), width = size * std::pow(10.0, -6 * std::abs(unit(random)));
     const Vec3d a = direction() * 30.0, b = direction() * size;
-    const Vec3d c = i % 7 == 0 ? b * unit(random) : b * unit(random) + direction() * width;
+    Vec3d c = b * unit(random);
+    if (i % 7 != 0) c += direction() * width;
     mesh.points.push_back(a);
     mesh.points.push_back(i % 41 == 0 ? a : a + b);
     mesh.points.push_back(i % 41 == 0 ? a : a + c);

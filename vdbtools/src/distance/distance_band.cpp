@@ -6,8 +6,8 @@
 #include "base/in_parallel.h"
 #include "base/openvdb/exterior_trace.h"
 #include "distance/outer_surface.h"
+#include "search/triangle_point.h"
 
-#include <openvdb/math/Proximity.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <openvdb/tree/LeafManager.h>
 
@@ -280,8 +280,7 @@ class SideFinder {
     const std::vector<Vec3d>& points = mTree.localPoints();
     const Vec3I& t = mTree.triangles()[triangle];
     Vec3d weights;
-    return openvdb::math::closestPointOnTriangleToPoint(points[t[0]], points[t[1]], points[t[2]],
-                                                        (node - mTree.origin()).asVec3d(), weights);
+    return nearestOnTriangle(points[t[0]], points[t[1]], points[t[2]], (node - mTree.origin()).asVec3d(), weights);
   }
 
   const TriangleTree& mTree;

@@ -3,12 +3,12 @@
 
 #include "base/elementary.h"
 #include "search/surface_search.h"
+#include "search/triangle_point.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/base/fractal_space.h"
 #include "vdbtools/base/text.h"
 
 #include <openvdb/math/Mat3.h>
-#include <openvdb/math/Proximity.h>
 
 #include <algorithm>
 #include <array>
@@ -357,7 +357,7 @@ SurfaceMotion::Image SurfaceMotion::carryBy(std::uint32_t triangle, const Vec3d&
   const Vec3I& t = parts.triangles[triangle];
   const Vec3d at = parts.fromUnits.of(x);
   Vec3d weights;
-  openvdb::math::closestPointOnTriangleToPoint(parts.from[t[0]], parts.from[t[1]], parts.from[t[2]], at, weights);
+  nearestOnTriangle(parts.from[t[0]], parts.from[t[1]], parts.from[t[2]], at, weights);
   return parts.image(t, weights, at);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "search/surface_search.h"
 
-#include <openvdb/math/Proximity.h>
+#include "search/triangle_point.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,10 +79,8 @@ void SurfaceSearch::build(std::uint32_t begin, std::uint32_t end, const std::vec
 void SurfaceSearch::meet(std::uint32_t triangle, const Vec3d& position, SurfacePoint& best, double& bestSquared) const {
   const openvdb::Vec3I& t = mTriangles[triangle];
   Vec3d weights;
-  const Vec3d nearest =
-      openvdb::math::closestPointOnTriangleToPoint(mPoints[t[0]], mPoints[t[1]], mPoints[t[2]], position, weights);
+  const Vec3d nearest = nearestOnTriangle(mPoints[t[0]], mPoints[t[1]], mPoints[t[2]], position, weights);
   const double squared = (nearest - position).lengthSqr();
-  // A NaN, which triangles without area may give, fails both tests.
   if (squared < bestSquared || (squared == bestSquared && triangle < best.triangle)) {
     best = {triangle, weights, 0};
     bestSquared = squared;

@@ -2,8 +2,8 @@
 #include "search/triangle_tree.h"
 
 #include "julia/instruction_set.h"
+#include "search/triangle_point.h"
 
-#include <openvdb/math/Proximity.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -197,8 +197,7 @@ std::optional<TriangleTree::Nearest> TriangleTree::nearest(const Vec3d& position
   const Vec3I& t = mTriangles[triangle];
   const std::vector<Vec3d>& points = localPoints();
   Vec3d weights;
-  const Vec3d point =
-      openvdb::math::closestPointOnTriangleToPoint(points[t[0]], points[t[1]], points[t[2]], local, weights);
+  const Vec3d point = nearestOnTriangle(points[t[0]], points[t[1]], points[t[2]], local, weights);
   const double distance = (point - local).length();
   if (!(distance <= within)) return std::nullopt;
   return Nearest{triangle, point + mOrigin.asVec3d(), distance};
