@@ -59,12 +59,31 @@ TEST_F(NearestOnTriangle, OfATriangleWithoutAnAreaIsOnItsEdges) {
     Vec3d weights;
     const Vec3d point = nearestOnTriangle(corners[0], corners[1], corners[2], position, weights);
     ASSERT_LE((point - position).length(), most);
+    ASSERT_TRUE(vdbtools::isThin(corners[0], corners[1], corners[2]));
     if (i % 1000 == 0) expectItIsOn(corners, weights, point);
     const Vec3d simple =
         openvdb::math::closestPointOnTriangleToPoint(corners[0], corners[1], corners[2], position, weights);
     if (!((simple - position).length() <= most)) ++wrongOfOpenVdb;
   }
   EXPECT_GT(wrongOfOpenVdb, 0) << "these triangles are no test of it";
+}
+
+// Where isThin() is false, OpenVDB's function is used as it is.
+TEST_F(NearestOnTriangle, IsThatOfOpenVdbUnlessTheTriangleIsThin) {
+  int compared = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const double size = std::pow(10.0, 1.5 * number()), width = size * std::pow(10.0, -6 * std::abs(number()));
+    const Vec3d a = direction() * 30.0, b = direction() * size, along = b * number(), aside = direction() * width;
+    const Vec3d c = a + along + aside, position = direction() * 60.0;
+    if (vdbtools::isThin(a, a + b, c)) continue;
+    ++compared;
+    Vec3d weights;
+    const double distance = (nearestOnTriangle(a, a + b, c, position, weights) - position).length();
+    const double simple =
+        (openvdb::math::closestPointOnTriangleToPoint(a, a + b, c, position, weights) - position).length();
+    ASSERT_NEAR(simple, distance, 1e-5);
+  }
+  EXPECT_GT(compared, 100000);
 }
 
 TEST_F(NearestOnTriangle, NoOtherPointOfItIsNearer) {

@@ -2,13 +2,16 @@
 #include "search/surface_distance.h"
 
 #include "base/in_parallel.h"
-#include "search/triangle_point.h"
+
+#include <openvdb/math/Proximity.h>
 
 namespace vdbtools {
 
 double squaredDistance(const openvdb::Vec3d& position, const TriangleCorners& triangle) {
   openvdb::Vec3d weights;
-  return (position - nearestOnTriangle(triangle[0], triangle[1], triangle[2], position, weights)).lengthSqr();
+  return (position -
+          openvdb::math::closestPointOnTriangleToPoint(triangle[0], triangle[1], triangle[2], position, weights))
+      .lengthSqr();
 }
 
 std::vector<FarPlace> placesFartherThan(double limit, const Mesh& mesh, const Mesh& surface,

@@ -18,6 +18,7 @@ namespace vdbtools {
 /// The corners of a triangle, or of a piece of one.
 using TriangleCorners = std::array<openvdb::Vec3d, 3>;
 
+/// An upper bound, for the sake of speed: for triangles that are not thin (triangle_point.h), the squared distance.
 double squaredDistance(const openvdb::Vec3d& position, const TriangleCorners& triangle);
 
 /// Proves that triangles lie near a surface.

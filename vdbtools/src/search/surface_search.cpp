@@ -3,6 +3,8 @@
 
 #include "search/triangle_point.h"
 
+#include <openvdb/math/Proximity.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -36,7 +38,11 @@ SurfaceSearch::SurfaceSearch(std::vector<Vec3d> points, std::vector<openvdb::Vec
   std::iota(mOrder.begin(), mOrder.end(), 0U);
   std::vector<Vec3d> middles;
   middles.reserve(mTriangles.size());
-  for (const openvdb::Vec3I& t : mTriangles) middles.push_back((mPoints[t[0]] + mPoints[t[1]] + mPoints[t[2]]) / 3.0);
+  mThin.reserve(mTriangles.size());
+  for (const openvdb::Vec3I& t : mTriangles) {
+    middles.push_back((mPoints[t[0]] + mPoints[t[1]] + mPoints[t[2]]) / 3.0);
+    mThin.push_back(isThin(mPoints[t[0]], mPoints[t[1]], mPoints[t[2]]));
+  }
   mNodes.reserve(mTriangles.size());
   if (!mTriangles.empty()) build(0, static_cast<std::uint32_t>(mTriangles.size()), middles);
 }
@@ -79,7 +85,8 @@ void SurfaceSearch::build(std::uint32_t begin, std::uint32_t end, const std::vec
 void SurfaceSearch::meet(std::uint32_t triangle, const Vec3d& position, SurfacePoint& best, double& bestSquared) const {
   const openvdb::Vec3I& t = mTriangles[triangle];
   Vec3d weights;
-  const Vec3d nearest = nearestOnTriangle(mPoints[t[0]], mPoints[t[1]], mPoints[t[2]], position, weights);
+  const auto nearestOf = mThin[triangle] ? nearestOnTriangle : openvdb::math::closestPointOnTriangleToPoint;
+  const Vec3d nearest = nearestOf(mPoints[t[0]], mPoints[t[1]], mPoints[t[2]], position, weights);
   const double squared = (nearest - position).lengthSqr();
   if (squared < bestSquared || (squared == bestSquared && triangle < best.triangle)) {
     best = {triangle, weights, 0};

@@ -62,6 +62,7 @@ class SurfaceSearch {
   std::vector<openvdb::Vec3I> mTriangles;
   std::vector<std::uint32_t> mOrder;  ///< the triangles, sorted for the leaves
   std::vector<Node> mNodes;           ///< the root first
+  std::vector<bool> mThin;            ///< of the triangles
 };
 
 }  // namespace vdbtools

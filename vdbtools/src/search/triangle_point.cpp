@@ -39,4 +39,11 @@ Vec3d nearestOnTriangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Ve
   return nearest;
 }
 
+bool isThin(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  constexpr double kThin = 1e-4;  // the height, as a part of the longest side; larger errors were seen below 1e-11
+  const Vec3d p = b - a, q = c - a;
+  const double longest = std::max({p.lengthSqr(), q.lengthSqr(), (q - p).lengthSqr()});
+  return !(p.cross(q).lengthSqr() > kThin * kThin * longest * longest);
+}
+
 }  // namespace vdbtools

@@ -14,4 +14,8 @@ namespace vdbtools {
 openvdb::Vec3d nearestOnTriangle(const openvdb::Vec3d& a, const openvdb::Vec3d& b, const openvdb::Vec3d& c,
                                  const openvdb::Vec3d& position, openvdb::Vec3d& weights);
 
+/// Whether a triangle is so thin that OpenVDB's function may be wrong by more than its tolerance, a ten-millionth of
+/// the coordinates. It is false for nearly all triangles of a mesh.
+bool isThin(const openvdb::Vec3d& a, const openvdb::Vec3d& b, const openvdb::Vec3d& c);
+
 }  // namespace vdbtools
