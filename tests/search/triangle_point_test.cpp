@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The nearest point of a triangle, also of one without an area, against other points of it.
 #include "search/triangle_point.h"
+#include "support/triangle_edges.h"
 
 #include <openvdb/math/Proximity.h>
 
@@ -30,15 +31,6 @@ class NearestOnTriangle : public testing::Test {
   std::uniform_real_distribution<double> mUnit{-1, 1};
 };
 
-double distanceToEdges(const Vec3d (&corners)[3], const Vec3d& position) {
-  double least = std::numeric_limits<double>::infinity(), share = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3d point = openvdb::math::closestPointOnSegmentToPoint(corners[k], corners[(k + 1) % 3], position, share);
-    least = std::min(least, (point - position).length());
-  }
-  return least;
-}
-
 void expectItIsOn(const Vec3d (&corners)[3], const Vec3d& weights, const Vec3d& point) {
   EXPECT_NEAR(weights[0] + weights[1] + weights[2], 1, 1e-12);
   for (int k = 0; k < 3; ++k) {
@@ -55,7 +47,7 @@ TEST_F(NearestOnTriangle, OfATriangleWithoutAnAreaIsOnItsEdges) {
     const Vec3d a = direction() * 30.0, b = direction() * size;
     const Vec3d corners[] = {a, a + b, i % 50 == 0 ? a : a + b * number()};
     const Vec3d position = direction() * 60.0;
-    const double distance = distanceToEdges(corners, position), most = distance * (1 + 1e-12) + 1e-12;
+    const double distance = test_meshes::distanceToEdges(corners, position), most = distance * (1 + 1e-12) + 1e-12;
     Vec3d weights;
     const Vec3d point = nearestOnTriangle(corners[0], corners[1], corners[2], position, weights);
     ASSERT_LE((point - position).length(), most);

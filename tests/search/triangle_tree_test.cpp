@@ -3,6 +3,7 @@
 #include "search/triangle_tree.h"
 #include "julia/instruction_set.h"
 #include "support/test_meshes.h"
+#include "support/triangle_edges.h"
 
 #include <openvdb/math/Proximity.h>
 
@@ -26,13 +27,7 @@ double distanceTo(const Mesh& mesh, std::size_t triangle, const Vec3d& position)
   const Vec3I& t = mesh.triangles[triangle];
   const Vec3d corners[] = {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
   // The edges too, as OpenVDB's function fails for triangles without an area.
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 3; ++k) {
-    const Vec3d a = corners[k], edge = corners[(k + 1) % 3] - a;
-    const double length = edge.lengthSqr();
-    const double s = length > 0 ? std::clamp(edge.dot(position - a) / length, 0.0, 1.0) : 0;
-    least = std::min(least, (a + edge * s - position).length());
-  }
+  const double least = distanceToEdges(corners, position);
   Vec3d weights;
   const Vec3d nearest =
       openvdb::math::closestPointOnTriangleToPoint(corners[0], corners[1], corners[2], position, weights);
