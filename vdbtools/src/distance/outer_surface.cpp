@@ -8,10 +8,10 @@
 
 #include "base/disjoint_sets.h"
 #include "base/in_parallel.h"
-#include "mesh/position_table.h"
+#include "distance/connected_parts.h"
+#include "distance/triangle_cut.h"
 
 #include <tbb/concurrent_unordered_map.h>
-#include <tbb/concurrent_vector.h>
 
 #include <algorithm>
 #include <array>
@@ -30,258 +30,14 @@ using openvdb::Vec2d;
 using openvdb::Vec3d;
 using openvdb::Vec3I;
 
-/// In voxels. Coordinates that a file stores as floats have larger errors than doubles: 2e-6 for 50 voxels about the
-/// origin.
-constexpr double kTouch = 1e-5;
-
-constexpr std::uint32_t kNone = 0xffffffff;
-
-/// How a part determines what is inside.
-enum class Closure : std::uint8_t { Open, Parity, Winding };
+constexpr std::uint32_t kNone = ConnectedParts::kNone;
 
 /// Whether a triangle has an outside next to it.
 enum class Fate : std::uint8_t { Kept, Buried, Sliver, Cut, Touched, Whole };
 
-/// A mesh in which points of the same position are one.
-class Welded {
- public:
-  /// Keeps a reference to the mesh.
-  explicit Welded(const TriangleTree& mesh) : mMesh(mesh) {
-    const std::vector<Vec3d>& given = mesh.points();
-    std::vector<std::uint32_t> numbers(given.size());
-    PositionTable table(mPlaces, given.size());
-    for (std::size_t p = 0; p < given.size(); ++p) numbers[p] = table.numberOf(given[p]);
-    if (mPlaces.size() == given.size()) {
-      std::vector<Vec3d>().swap(mPlaces);
-      return;
-    }
-    mTriangles = mesh.triangles();
-    for (Vec3I& t : mTriangles) t = Vec3I(numbers[t[0]], numbers[t[1]], numbers[t[2]]);
-  }
-
-  const std::vector<Vec3d>& points() const { return mPlaces.empty() ? mMesh.points() : mPlaces; }
-  const std::vector<Vec3I>& triangles() const { return mPlaces.empty() ? mMesh.triangles() : mTriangles; }
-  const TriangleTree& tree() const { return mMesh; }
-
- private:
-  const TriangleTree& mMesh;
-  std::vector<Vec3d> mPlaces;  ///< empty if no two points have the same position
-  std::vector<Vec3I> mTriangles;
-};
-
-struct Parts {
-  std::vector<std::uint32_t> of;  ///< the part of each triangle
-  std::vector<Closure> closure;   ///< of each part
-  std::vector<BBoxd> box;         ///< of each part
-};
-
-/// One use of an edge by a triangle.
-struct EdgeUse {
-  std::uint64_t edge = 0;  ///< its smaller point, then its larger one
-  std::uint32_t side = 0;  ///< three times the triangle, plus the number of the corner at which the edge begins
-
-  std::uint32_t triangle() const { return side / 3; }
-  bool operator<(const EdgeUse& other) const { return edge < other.edge || (edge == other.edge && side < other.side); }
-};
-
-bool repeatsCorner(const Vec3I& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
-
-/// Calls visit(uses) for each edge, in several threads, with its uses in the order of the triangles.
-template <class Visit>
-void forEachEdge(const Welded& mesh, const Monitor& monitor, const Visit& visit) {
-  // Each turn takes the edges whose smaller points are in one range, so that not all uses are in memory at once.
-  constexpr std::size_t kTurns = 16, kFewest = 4096;
-  const std::vector<Vec3I>& triangles = mesh.triangles();
-  const std::size_t points = mesh.points().size(), turns = std::clamp<std::size_t>(points / kFewest, 1, kTurns);
-  inParallel(turns, 1, monitor, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t turn = begin; turn < end; ++turn) {
-      const std::size_t low = points * turn / turns, high = points * (turn + 1) / turns;
-      std::vector<EdgeUse> uses;
-      for (std::uint32_t t = 0; t < triangles.size(); ++t)
-        for (std::uint32_t c = 0; c < 3; ++c) {
-          const std::uint64_t a = triangles[t][static_cast<int>(c)], b = triangles[t][static_cast<int>((c + 1) % 3)];
-          const std::uint64_t smaller = std::min(a, b);
-          if (smaller >= low && smaller < high && !repeatsCorner(triangles[t]))
-            uses.push_back({smaller << 32 | std::max(a, b), 3 * t + c});
-        }
-      std::sort(uses.begin(), uses.end());
-      for (std::size_t first = 0, next = 0; first < uses.size(); first = next) {
-        while (next < uses.size() && uses[next].edge == uses[first].edge) ++next;
-        visit(std::span<const EdgeUse>(uses).subspan(first, next - first));
-      }
-    }
-  });
-}
-
-Parts findParts(const Welded& mesh, const Monitor& monitor) {
-  const std::vector<Vec3I>& triangles = mesh.triangles();
-  DisjointSets<std::uint32_t> sets(triangles.size());
-  tbb::concurrent_vector<std::pair<std::uint32_t, Closure>> exceptions;
-  forEachEdge(mesh, monitor, [&](std::span<const EdgeUse> uses) {
-    int balance = 0;
-    for (const EdgeUse& use : uses) {
-      const bool forward = triangles[use.triangle()][static_cast<int>(use.side % 3)] == use.edge >> 32;
-      balance += forward ? 1 : -1;
-      sets.join(uses.front().triangle(), use.triangle());
-    }
-    if (balance != 0)
-      exceptions.emplace_back(uses.front().triangle(), uses.size() % 2 == 0 ? Closure::Parity : Closure::Open);
-  });
-  Parts parts;
-  parts.of.assign(triangles.size(), kNone);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    if (repeatsCorner(triangles[t])) continue;
-    // The first triangle of a part names its set.
-    const std::uint32_t first = sets.find(t);
-    if (first == t) {
-      parts.of[t] = static_cast<std::uint32_t>(parts.closure.size());
-      parts.closure.push_back(Closure::Winding);
-      parts.box.emplace_back();
-    }
-    const std::uint32_t number = parts.of[t] = parts.of[first];
-    for (int c = 0; c < 3; ++c) parts.box[number].expand(mesh.points()[triangles[t][c]]);
-  }
-  for (const auto& [triangle, closure] : exceptions) {
-    Closure& whole = parts.closure[parts.of[triangle]];
-    whole = std::min(whole, closure);
-  }
-  return parts;
-}
-
-/// Whether the box of a closed part overlaps the box of another part.
-bool mayMeet(const Parts& parts) {
-  std::vector<std::uint32_t> order(parts.box.size());
-  for (std::uint32_t p = 0; p < order.size(); ++p) order[p] = p;
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const double x = parts.box[a].min()[0], y = parts.box[b].min()[0];
-    return x < y || (x == y && a < b);
-  });
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const BBoxd& box = parts.box[order[i]];
-    for (std::size_t k = i + 1; k < order.size() && parts.box[order[k]].min()[0] <= box.max()[0]; ++k)
-      if (box.hasOverlap(parts.box[order[k]]) &&
-          (parts.closure[order[i]] != Closure::Open || parts.closure[order[k]] != Closure::Open))
-        return true;
-  }
-  return false;
-}
-
-/// In the plane of a triangle.
-struct Segment {
-  Vec2d from, to;
-};
-
-using Polygon = std::vector<Vec2d>;  ///< convex, counter-clockwise
-
-double cross(const Vec2d& a, const Vec2d& b) { return a[0] * b[1] - a[1] * b[0]; }
-
-/// A triangle's plane, and positions in it.
-class Plane {
- public:
-  /// @pre not a sliver
-  Plane(const Vec3d& a, const Vec3d& b, const Vec3d& c) : mOrigin(a) {
-    mFirst = b - a;
-    mFirst.normalize();
-    mNormal = (b - a).cross(c - a);
-    mNormal.normalize();
-    mSecond = mNormal.cross(mFirst);
-  }
-
-  const Vec3d& normal() const { return mNormal; }
-  double height(const Vec3d& p) const { return mNormal.dot(p - mOrigin); }
-  Vec2d flat(const Vec3d& p) const { return {mFirst.dot(p - mOrigin), mSecond.dot(p - mOrigin)}; }
-  Vec3d space(const Vec2d& p) const { return mOrigin + mFirst * p[0] + mSecond * p[1]; }
-
- private:
-  Vec3d mOrigin, mFirst, mSecond, mNormal;
-};
-
-/// The part of a segment that is at least @a inset within the polygon's edges; from = to: none.
-Segment clipped(const Segment& segment, const Polygon& polygon, double inset) {
-  double from = 0, to = 1;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec2d &a = polygon[i], edge = polygon[(i + 1) % polygon.size()] - a;
-    const double length = edge.length();
-    if (!(length > 0)) continue;
-    const double f = cross(edge, segment.from - a) / length - inset, t = cross(edge, segment.to - a) / length - inset;
-    if (f < 0 && t < 0) return {segment.from, segment.from};
-    if (f < 0) from = std::max(from, f / (f - t));
-    if (t < 0) to = std::min(to, f / (f - t));
-  }
-  if (!(from < to)) return {segment.from, segment.from};
-  const Vec2d way = segment.to - segment.from;
-  return {segment.from + way * from, segment.from + way * to};
-}
-
-bool isLong(const Segment& segment) { return (segment.to - segment.from).length() > kTouch; }
-
-/// Whether a polygon is a sliver, by twice its area over its diameter, which is approximately its width.
-bool isSliver(const Polygon& polygon) {
-  double area = 0, squared = 0;
-  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
-    area += cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
-  for (std::size_t i = 0; i < polygon.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k) squared = std::max(squared, (polygon[i] - polygon[k]).lengthSqr());
-  return !(area > kTouch * std::sqrt(squared));
-}
-
-/// The two parts of a polygon on either side of a line; one may be empty.
-std::pair<Polygon, Polygon> halves(const Polygon& polygon, const Vec2d& on, const Vec2d& along) {
-  std::pair<Polygon, Polygon> result;
-  const auto side = [&](const Vec2d& p) {
-    const double d = cross(along, p - on);
-    return std::abs(d) < 0.1 * kTouch ? 0.0 : d;
-  };
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec2d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    const double a = side(p), b = side(q);
-    if (a >= 0) result.first.push_back(p);
-    if (a <= 0) result.second.push_back(p);
-    if (!(a * b < 0)) continue;
-    const Vec2d between = p + (q - p) * (a / (a - b));
-    result.first.push_back(between);
-    result.second.push_back(between);
-  }
-  return result;
-}
-
-/// Cuts a polygon until no segment passes through the pieces.
-void cut(const Polygon& polygon, const std::vector<Segment>& segments, int depth, std::vector<Polygon>& pieces) {
-  // If there are many segments, halving the polygon first distributes them; then segments cut it one by one.
-  constexpr std::size_t kFew = 24;
-  constexpr int kMostHalvings = 40, kMostDepth = 4000;
-  if (polygon.size() < 3 || isSliver(polygon)) return;
-  std::vector<Segment> through;
-  for (const Segment& segment : segments) {
-    const Segment within = clipped(segment, polygon, kTouch);
-    if (isLong(within)) through.push_back(within);
-  }
-  if (through.empty() || depth > kMostDepth) {
-    pieces.push_back(polygon);
-    return;
-  }
-  Vec2d on, along;
-  if (through.size() > kFew && depth < kMostHalvings) {
-    Vec2d low = polygon[0], high = polygon[0];
-    for (const Vec2d& p : polygon) {
-      low = {std::min(low[0], p[0]), std::min(low[1], p[1])};
-      high = {std::max(high[0], p[0]), std::max(high[1], p[1])};
-    }
-    on = (low + high) * 0.5;
-    along = high[0] - low[0] > high[1] - low[1] ? Vec2d(0, 1) : Vec2d(1, 0);
-  } else {
-    const Segment& chosen = through[through.size() / 2];
-    on = chosen.from;
-    along = (chosen.to - chosen.from) / (chosen.to - chosen.from).length();
-  }
-  const auto [first, second] = halves(polygon, on, along);
-  cut(first, through, depth + 1, pieces);
-  cut(second, through, depth + 1, pieces);
-}
-
 class Union {
  public:
-  Union(const Welded& mesh, Parts parts, Monitor& monitor)
+  Union(const WeldedMesh& mesh, ConnectedParts parts, Monitor& monitor)
       : mWelded(mesh),
         mMesh(mesh.tree()),
         mPoints(mesh.points()),
@@ -328,8 +84,8 @@ class Union {
     for (std::size_t t = 0; t < mFate.size(); ++t) {
       if (mFate[t] == Fate::Kept) result.triangles.push_back(mMesh.triangles()[t]);
       if (mFate[t] != Fate::Cut) continue;
-      const Plane plane = planeOf(static_cast<std::uint32_t>(t));
-      for (const Polygon& piece : mPieces.at(static_cast<std::uint32_t>(t))) {
+      const TrianglePlane plane = planeOf(static_cast<std::uint32_t>(t));
+      for (const ConvexPolygon& piece : mPieces.at(static_cast<std::uint32_t>(t))) {
         const auto first = static_cast<std::uint32_t>(result.points.size());
         for (const Vec2d& p : piece) result.points.push_back(plane.space(p));
         for (std::uint32_t k = 1; k + 1 < piece.size(); ++k)
@@ -352,7 +108,7 @@ class Union {
 
  private:
   const Vec3d& corner(std::uint32_t triangle, int c) const { return mPoints[mTriangles[triangle][c]]; }
-  Plane planeOf(std::uint32_t t) const { return {corner(t, 0), corner(t, 1), corner(t, 2)}; }
+  TrianglePlane planeOf(std::uint32_t t) const { return {corner(t, 0), corner(t, 1), corner(t, 2)}; }
   Vec3d middleOf(std::uint32_t t) const { return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0; }
 
   BBoxd boxOf(std::uint32_t t) const {
@@ -380,7 +136,8 @@ class Union {
 
   /// The intersection of another triangle with the plane of a triangle: no segment, one, or three edges if it lies in
   /// the plane.
-  void addSegments(const Plane& plane, const Vec3I& own, const Vec3I& other, std::vector<Segment>& segments) const {
+  void addSegments(const TrianglePlane& plane, const Vec3I& own, const Vec3I& other,
+                   std::vector<PlaneSegment>& segments) const {
     double heights[3];
     int above = 0, below = 0;
     for (int c = 0; c < 3; ++c) {
@@ -409,7 +166,8 @@ class Union {
 
   /// Whether a segment of another triangle lies at a corner that both triangles have. Where they meet in one point
   /// alone, the outside does not end.
-  static bool isAtSharedCorner(const Segment& segment, const Vec3I& own, const Vec3I& other, const Polygon& polygon) {
+  static bool isAtSharedCorner(const PlaneSegment& segment, const Vec3I& own, const Vec3I& other,
+                               const ConvexPolygon& polygon) {
     constexpr double kAt = 4 * kTouch;
     for (int c = 0; c < 3; ++c) {
       if (own[c] != other[0] && own[c] != other[1] && own[c] != other[2]) continue;
@@ -434,7 +192,7 @@ class Union {
       mFate[t] = Fate::Sliver;
       return;
     }
-    const Plane plane(a, b, c);
+    const TrianglePlane plane(a, b, c);
     BBoxd box = boxOf(t);
     box.expand(kTouch);
     std::vector<std::uint32_t> others;
@@ -442,8 +200,8 @@ class Union {
       if (other != t && mParts.of[other] != kNone && boxOf(other).hasOverlap(box)) others.push_back(other);
     });
     std::sort(others.begin(), others.end());
-    const Polygon polygon = {plane.flat(a), plane.flat(b), plane.flat(c)};
-    std::vector<Segment> segments;
+    const ConvexPolygon polygon = {plane.flat(a), plane.flat(b), plane.flat(c)};
+    std::vector<PlaneSegment> segments;
     bool touched = false, crossed = false;
     for (const std::uint32_t other : others) {
       const Vec3I& corners = mTriangles[other];
@@ -454,7 +212,7 @@ class Union {
       addSegments(plane, own, corners, segments);
       bool meets = false;
       for (std::size_t k = first; k < segments.size(); ++k) {
-        const Segment along = clipped(segments[k], polygon, -kTouch);
+        const PlaneSegment along = clipped(segments[k], polygon, -kTouch);
         const bool touches = isLong(along) && !isAtSharedCorner(along, own, corners, polygon),
                    crosses = isLong(clipped(segments[k], polygon, kTouch));
         touched |= touches;
@@ -466,9 +224,8 @@ class Union {
     if (!touched && !crossed) return;
     mFate[t] = Fate::Touched;
     if (!crossed) return;
-    std::vector<Polygon> pieces, kept;
-    cut(polygon, segments, 0, pieces);
-    for (Polygon& piece : pieces) {
+    std::vector<ConvexPolygon> pieces = piecesOf(polygon, segments), kept;
+    for (ConvexPolygon& piece : pieces) {
       Vec2d middle(0, 0);
       for (const Vec2d& p : piece) middle += p;
       if (keeps(t, plane.normal(), plane.space(middle / static_cast<double>(piece.size()))))
@@ -498,7 +255,7 @@ class Union {
     for (std::uint32_t t = 0; t < count; ++t)
       if (mFate[t] == Fate::Whole) members[ends[patches.find(t)]++] = t;
     const auto ask = [this](std::uint32_t t) {
-      const Plane plane = planeOf(t);
+      const TrianglePlane plane = planeOf(t);
       return keeps(t, plane.normal(), middleOf(t)) ? Fate::Kept : Fate::Buried;
     };
     inParallel(count, 64, mMonitor, [&](std::size_t begin, std::size_t end) {
@@ -749,15 +506,15 @@ class Union {
     return result;
   }
 
-  const Welded& mWelded;
+  const WeldedMesh& mWelded;
   const TriangleTree& mMesh;
   const std::vector<Vec3d>& mPoints;     ///< welded
   const std::vector<Vec3I>& mTriangles;  ///< welded
-  const Parts mParts;
+  const ConnectedParts mParts;
   Monitor& mMonitor;
   std::vector<Fate> mFate;
   std::vector<std::uint32_t> mPartner;  ///< three per triangle: the triangle beyond each edge, if there is exactly one
-  tbb::concurrent_unordered_map<std::uint32_t, std::vector<Polygon>> mPieces;  ///< of triangles with Fate::Cut
+  tbb::concurrent_unordered_map<std::uint32_t, std::vector<ConvexPolygon>> mPieces;  ///< of triangles with Fate::Cut
   std::vector<std::atomic<bool>> mBuries;                ///< parts that lie in others or have others in them
   std::vector<std::atomic<bool>> mBuriesItself, mMeets;  ///< mMeets: parts that intersect or touch others
   DisjointSets<std::uint32_t> mSurfaces;                 ///< closed parts that intersect or touch each other
@@ -769,9 +526,9 @@ std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<con
                                          Monitor& monitor) {
   // To examine all triangles then costs less than to ask about each place.
   const bool many = hidden.size() > mesh.triangles().size() / 4;
-  const Welded welded(mesh);
+  const WeldedMesh welded(mesh);
   monitor.throwIfCancelled();
-  Parts parts = findParts(welded, monitor);
+  ConnectedParts parts = findParts(welded, monitor);
   if (std::all_of(parts.closure.begin(), parts.closure.end(), [](Closure c) { return c == Closure::Open; }))
     return std::nullopt;
   const bool meet = mayMeet(parts);
@@ -783,9 +540,9 @@ std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<con
 }
 
 std::optional<NestedSurfaces> nestedSurfaces(const TriangleTree& mesh, Monitor& monitor) {
-  const Welded welded(mesh);
+  const WeldedMesh welded(mesh);
   monitor.throwIfCancelled();
-  Parts parts = findParts(welded, monitor);
+  ConnectedParts parts = findParts(welded, monitor);
   if (!mayMeet(parts)) return std::nullopt;
   Union all(welded, std::move(parts), monitor);
   all.find();
