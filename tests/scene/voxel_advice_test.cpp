@@ -201,10 +201,22 @@ TEST_F(VoxelAdviceTest, AutomaticKeepsWithinMemoryAndItsBounds) {
   const double all = scene({{"input", path}, {"resolution", "auto"}}).chosenResolution->resolution;
   {
     const MemoryLimit limit(250e6);
-    const ChosenResolution less = *scene({{"input", path}, {"resolution", "auto"}}).chosenResolution;
-    EXPECT_EQ(less.limit, ChosenResolution::Limit::Memory);
-    EXPECT_LT(less.resolution, all);
-    EXPECT_GE(less.resolution, 10);
+    const auto chosen = [&](const Recipe& wanted) {
+      Recipe recipe{{"input", path}, {"resolution", "auto"}};
+      recipe.insert(wanted.begin(), wanted.end());
+      const ChosenResolution choice = *scene(recipe).chosenResolution;
+      EXPECT_EQ(choice.limit, ChosenResolution::Limit::Memory);
+      EXPECT_GE(choice.resolution, 10);
+      return choice.resolution;
+    };
+    const double plain = chosen({});
+    EXPECT_LT(plain, all);
+    // What takes more memory leaves fewer voxels.
+    for (const Recipe& more : {Recipe{{"largest", "2"}}, Recipe{{"lod", "100%,10%"}}, Recipe{{"adaptivity", "0.1"}},
+                               Recipe{{"grids", "surface,versor"}}, Recipe{{"attributes", "Cd"}}})
+      EXPECT_LT(chosen(more), plain) << more.begin()->first;
+    EXPECT_LT(chosen({{"attributes", "Cd,direction,trap"}}), chosen({{"attributes", "Cd"}}));
+    EXPECT_LT(chosen({{"grids", "density,versor"}}), chosen({{"grids", "surface,versor"}}));
   }
   // However fine it is, there is a most; and however coarse, a least.
   const ChosenResolution most = *scene({{"input", path}, {"frequency", "16"}, {"resolution", "auto"}}).chosenResolution;

@@ -12,8 +12,6 @@
 namespace vdbtools {
 namespace {
 
-using openvdb::BBoxd;
-
 /// The maximum resolution that is suggested: finer features fit into no lattice.
 constexpr double kMostResolution = 4000;
 
@@ -47,32 +45,22 @@ std::string coreRemedy(const Scene& scene, const VoxelAdvice& advice) {
   return option.empty() ? "less --detail makes it thicker" : option + " and less --detail hold it";
 }
 
-/// The shell's volume and the surface's area within the options' box, world units.
-struct Extent {
-  double volume = 0, area = 0;
-};
-
-Extent extentOf(const Scene& scene) {
-  Extent extent{.area = scene.features()->area};
-  const openvdb::FloatGrid& exponent = *scene.exponent()->grid;
-  const double node = std::abs(exponent.transform().voxelSize().product());
-  std::optional<BBoxd> box;
-  if (scene.options.lattice.box) box = exponent.transform().worldToIndex(*scene.options.lattice.box);
-  double nodes = 0;
-  const julia::ShellInterval& shell = scene.exponent()->shellOfNodes;
-  for (auto value = exponent.cbeginValueOn(); value; ++value) {
-    if (box && !box->isInside(value.getCoord().asVec3d())) continue;
-    nodes += *value > shell.lower && *value < shell.upper;
-  }
-  extent.volume = nodes * node;
-  return extent;
-}
-
-double memoryAt(const Extent& extent, double voxel) {
-  // Estimates in bytes, confirmed by no measurement yet: per voxel of the shell, per square voxel of the surface, and
-  // for the rest of the process.
-  constexpr double kOfNode = 5, kOfArea = 1200, kOfProcess = 150e6;
-  return kOfNode * extent.volume / (voxel * voxel * voxel) + kOfArea * extent.area / (voxel * voxel) + kOfProcess;
+/// Estimates the memory of the whole process while it makes files. The figures are rounded up from peaks that were
+/// measured with a bunny and with sixty spheres that intersect, at 200 to 1000 voxels (docs/performance.md).
+double memoryAt(const Scene& scene, double voxel) {
+  // Bytes, most of them for each square voxel of the target's surface. The shell itself takes little: only some layers
+  // of it are in memory at a time.
+  constexpr double kOfProcess = 150e6, kOfSurface = 750, kOfHeldMesh = 500, kOfAdaptivity = 3600, kOfValue = 200,
+                   kOfVector = 400;
+  const OutputOptions& output = scene.options.output;
+  double bytes = kOfSurface;
+  if (!output.levels.empty() || dropsIslands(scene.options)) bytes += kOfHeldMesh;
+  if (scene.options.surface.adaptivity > 0) bytes += kOfAdaptivity;
+  for (const OutputGrid grid : output.grids)
+    if (grid != OutputGrid::Surface) bytes += grid == OutputGrid::Versor ? kOfVector : kOfValue;
+  for (const VertexColumn& column : meshColumns(output.attributes))
+    bytes += componentsOf(column.kind) == 1 ? kOfValue : kOfVector;
+  return kOfProcess + bytes * scene.features()->area / (voxel * voxel);
 }
 
 }  // namespace
@@ -120,22 +108,24 @@ ChosenResolution chooseResolution(const Scene& scene, bool withinMemory) {
   if (wanted > most) chosen.limit = ChosenResolution::Limit::Most;
   if (!withinMemory) return chosen;
   const double bytes = memoryInAll();  // the estimate is for the whole process, including the memory that it has now
-  const Extent extent = extentOf(scene);
-  for (; chosen.resolution > kTens && memoryAt(extent, side / chosen.resolution) > bytes; chosen.resolution -= kTens)
+  for (; chosen.resolution > kTens && memoryAt(scene, side / chosen.resolution) > bytes; chosen.resolution -= kTens)
     chosen.limit = ChosenResolution::Limit::Memory;
   return chosen;
 }
 
 std::optional<double> fittingResolution(const Scene& scene, double bytes) {
   if (!scene.features()) return std::nullopt;
-  const Extent extent = extentOf(scene);
-  if (memoryAt(extent, scene.voxelSize) <= bytes) return std::nullopt;
+  // Per square voxel, for the bytes of the files while they are handed over.
+  constexpr double kOfFiles = 700;
+  const double area = scene.features()->area;
+  const auto needed = [&](double voxel) { return memoryAt(scene, voxel) + kOfFiles * area / (voxel * voxel); };
+  if (needed(scene.voxelSize) <= bytes) return std::nullopt;
   const double side = longestSide(scene.target->distances.box);
   // More voxels take more memory, so that the bound can be found by halves: `fits` does, `more` does not.
   double fits = 0, more = std::ceil(side / scene.voxelSize / kTens);
   while (more - fits > 1) {
     const double middle = std::floor((fits + more) / 2);
-    (memoryAt(extent, side / (kTens * middle)) <= bytes ? fits : more) = middle;
+    (needed(side / (kTens * middle)) <= bytes ? fits : more) = middle;
   }
   return kTens * fits;
 }

@@ -48,8 +48,8 @@ std::string chosenSdfResolutionText(const Scene& scene);
 /// @param scene  complete up to its features; the box of its options is used
 ChosenResolution chooseResolution(const Scene& scene, bool withinMemory);
 
-/// The resolution whose files can be made within this memory, a multiple of 10, by the estimate of `--resolution auto`;
-/// 0 if none can. Empty if the scene's own can, or if nothing was measured.
+/// The resolution whose files can be made and held within this memory, a multiple of 10, by the estimate of
+/// `--resolution auto`; 0 if none can. Empty if the scene's own can, or if nothing was measured.
 /// @param bytes  for the whole process
 std::optional<double> fittingResolution(const Scene& scene, double bytes);
 
