@@ -50,7 +50,7 @@ std::string coreRemedy(const Scene& scene, const VoxelAdvice& advice) {
 double memoryAt(const Scene& scene, double voxel) {
   // Bytes, most of them for each square voxel of the target's surface. The shell itself takes little: only some layers
   // of it are in memory at a time.
-  constexpr double kOfProcess = 150e6, kOfSurface = 750, kOfHeldMesh = 500, kOfAdaptivity = 3600, kOfValue = 200,
+  constexpr double kOfProcess = 180e6, kOfSurface = 750, kOfHeldMesh = 500, kOfAdaptivity = 3600, kOfValue = 200,
                    kOfVector = 400;
   const OutputOptions& output = scene.options.output;
   double bytes = kOfSurface;
