@@ -4,6 +4,7 @@
 #pragma once
 
 #include "base/in_parallel.h"
+#include "mesh/repeated_corner.h"
 #include "search/triangle_tree.h"
 #include "vdbtools/base/monitor.h"
 
@@ -42,9 +43,6 @@ struct EdgeUse {
   std::uint32_t triangle() const { return side / 3; }
   bool operator<(const EdgeUse& other) const { return edge < other.edge || (edge == other.edge && side < other.side); }
 };
-
-/// Whether two corners of a triangle are one point.
-inline bool repeatsCorner(const openvdb::Vec3I& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 /// Calls visit(uses) for each edge, in several threads, with its uses in the order of the triangles. Triangles that
 /// repeat a corner use no edge.

@@ -3,6 +3,7 @@
 
 #include "base/disjoint_sets.h"
 #include "mesh/position_table.h"
+#include "mesh/repeated_corner.h"
 #include "vdbtools/base/errors.h"
 
 #include <algorithm>
@@ -18,8 +19,6 @@ namespace {
 /// Corners are collinear if their cross product is smaller than this times the square of the longest edge: the rest is
 /// rounding of coordinates that were stored in single precision or far from the origin.
 constexpr double kInLine = 1e-12;
-
-bool repeatsCorner(const openvdb::Vec3I& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 void checkIndices(const Mesh& mesh) {
   for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
