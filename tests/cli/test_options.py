@@ -2,8 +2,11 @@
 """Every option of every command either acts or is refused.
 
 The options are read from what the program says of itself, so a new one takes part from its first day: with a value of VALUES, or
-with one that its placeholder suggests. Each is given to every run of RUNS. That run then makes something else or says something
+with one that its placeholder suggests. Each is given to runs of RUNS. Such a run then makes something else or says something
 else, or it is refused in a line that names the option. And of each option there has to be a run that it changes.
+
+The first run of a command gets every option, and each other one every second option, in turns. An option that acted in none of
+these is given to the other runs too. JULIAVDB_OPTIONS=all gives every option to every run, which takes twice as long.
 
 What is compared are the files without the recipe in them, which says of every option that it was given.
 """
@@ -23,6 +26,7 @@ import test_animation
 import test_motion
 from harness import DONE, USAGE
 
+ALL = os.environ.get("JULIAVDB_OPTIONS") == "all"
 LOW = ("--resolution", 14, "--sdf-resolution", 16)
 BOX = "-0.4,-0.5,-0.3,0.7,0.8,0.9"
 
@@ -372,23 +376,35 @@ class Options(harness.CliTest):
 
     # Promise of architecture.md: "Where an option can do nothing", an option is refused, with the reason and what else to give
     def test_every_option_acts_or_is_refused(self):
-        jobs, of_fractals = [], self.options_of("fractal")
+        first, second, of_fractals = [], [], self.options_of("fractal")
         for command, runs in RUNS.items():
             options = self.options_of(command)
-            for run in runs:
-                jobs.append((command, None, run, run))
-                jobs += [(command, name, run, self.words_with(command, run, option))
-                         for name, option in options.items() if run == runs[0] or name not in CHANGES_NOTHING]
-        results = self.outcomes([(command, words) for command, name, run, words in jobs])
-        plain, given, acts = {}, set(), set()
-        for (command, name, run, words), (code, made, told, said) in zip(jobs, results):
+            for row, run in enumerate(runs):
+                first.append((command, None, None, run, run))
+                for column, (name, option) in enumerate(options.items()):
+                    if row > 0 and name in CHANGES_NOTHING:
+                        continue
+                    scope = FRACTALS if command in FRACTALS and name in of_fractals else (command, )
+                    now = ALL or row == 0 or (row + column) % 2 == 0
+                    (first if now else second).append((command, scope, name, run, self.words_with(command, run, option)))
+        plain, acts = {}, set()
+        self.judge(first, plain, acts)
+        self.judge([job for job in second if job[1:3] not in acts], plain, acts)
+        for scope, name in sorted({job[1:3] for job in first + second if job[2]} - acts):
+            if name not in CHANGES_NOTHING:
+                with self.subTest(option=name, commands=scope):
+                    self.fail(f"--{name} changes no run; give it a value in VALUES, and a run to act on")
+
+    def judge(self, jobs, plain, acts):
+        """@param plain  the outcomes of the runs without an option, by command and run; those of the jobs are added
+        @param acts   the options that change a run, each with its scope; those of the jobs are added"""
+        results = self.outcomes([(command, words) for command, scope, name, run, words in jobs])
+        for (command, scope, name, run, words), (code, made, told, said) in zip(jobs, results):
             line = f"juliavdb {command} {' '.join(map(str, words))}"
             if name is None:
                 self.assertEqual(code, DONE, f"{line}\n{said}")
                 plain[command, run] = code, made, told, said
                 continue
-            scope = FRACTALS if command in FRACTALS and name in of_fractals else (command, )
-            given.add((scope, name))
             if (code, made, told, said) != plain[command, run]:
                 acts |= {(scope, name)} if code == DONE or f"--{name}" not in words[-1] else set()
                 with self.subTest(line=line):
@@ -398,10 +414,6 @@ class Options(harness.CliTest):
             if not {name, *((name, word) for word in words)} & {*CHANGES_NOTHING, *DEPENDS_ON_DATA, *DEPENDS_WITH}:
                 with self.subTest(line=line):
                     self.fail(f"--{name} is accepted, and changes nothing")
-        for scope, name in sorted(given - acts):
-            if name not in CHANGES_NOTHING:
-                with self.subTest(option=name, commands=scope):
-                    self.fail(f"--{name} changes no run; give it a value in VALUES, and a run to act on")
 
 
 class Refusals(harness.CliTest):
