@@ -241,7 +241,7 @@ struct NodeImage {
 
 /// rho at the nodes of a leaf of the pose's distances.
 struct LeafImages {
-  std::array<NodeImage, 512> nodes;
+  std::array<NodeImage, 512> nodes;  ///< those that are known; of the others, 24 kB in each leaf, nothing is written
   std::array<bool, 512> known{};
 };
 
@@ -364,8 +364,9 @@ class PoseLattice {
     constexpr double kMargin = 2;  // voxels
     const double growth = motion.greatestGrowth();
     carryNodes(motion, growth * reach.outside + kMargin * mVoxel, growth * reach.inside + kMargin * mVoxel, monitor);
+    constexpr unsigned kLeafLevel = 1;  // of a tile as large as a leaf
     for (std::size_t i = 0; i < mLeaves.size(); ++i)
-      if (mImages[i]) mNumbers.setValueOn(mLeaves[i]->origin(), static_cast<std::int32_t>(i));
+      if (mImages[i]) mNumbers.addTile(kLeafLevel, mLeaves[i]->origin(), static_cast<std::int32_t>(i), true);
   }
 
   const CoordBBox& nodes() const { return mNodes; }
@@ -431,7 +432,7 @@ class PoseLattice {
     }
     if (far < 0) return nullptr;
     nearest.evaluate(leaf.origin(), far + kMended);
-    auto images = std::make_unique<LeafImages>();
+    auto images = std::make_unique_for_overwrite<LeafImages>();
     for (unsigned offset = 0; offset < 512; ++offset) {
       if (!wanted[offset]) continue;
       const Vec3d world = mPhi.indexToWorld(leaf.offsetToGlobalCoord(offset));
@@ -500,7 +501,7 @@ class PoseLattice {
   std::vector<const Leaf*> mLeaves;
   CoordBBox mNodes;
   std::vector<std::unique_ptr<LeafImages>> mImages;
-  openvdb::Int32Tree mNumbers{-1};  ///< of the leaves with images, at their origins
+  openvdb::Int32Tree mNumbers{-1};  ///< of the leaves with images, as tiles
 };
 
 /// Values of the nodes of the plan's grid.
