@@ -15,6 +15,7 @@
 #pragma once
 
 #include "search/kernels/triangle_candidates.h"
+#include "search/kernels/triangle_spheres.h"
 
 namespace vdbtools::kernels {
 namespace {
