@@ -29,9 +29,14 @@ def bent(mesh, degrees):
 
 
 def tilted(mesh):
-    """Turned so that its axis is the diagonal of its box, of which it then fills less: what a pose costs grows with that share."""
-    axes = (6 ** -0.5, -2 * 6 ** -0.5, 6 ** -0.5), (3 ** -0.5, ) * 3, (-2 ** -0.5, 0, 2 ** -0.5)
+    """Turned so that the axis of Y is the diagonal of its box, of which a ring or a rod then fills less: what a pose costs grows
+    with that share."""
+    axes = (6 ** -0.5, 6 ** -0.5, -2 * 6 ** -0.5), (3 ** -0.5, ) * 3, (2 ** -0.5, -2 ** -0.5, 0)
     return [tuple(x * a + y * b + z * c for a, b, c in zip(*axes)) for x, y, z in mesh[0]], mesh[1]
+
+
+def ring(**counts):
+    return tilted(harness.torus(minor=0.15, **counts))
 
 
 def as_float(value):
@@ -57,7 +62,7 @@ class Motion(harness.TextureTest):
 
     def setUp(self):
         super().setUp()
-        self.rest = tilted(harness.torus(minor=0.15))
+        self.rest = ring()
         self.pose = bent(self.rest, 40)
         self.write("r.obj", harness.obj(self.rest))
         self.write("t.obj", harness.obj(self.pose))
@@ -159,7 +164,7 @@ class Motion(harness.TextureTest):
                 stops(BAD_DATA, ("s.3.obj",), *words)
             self.refused(BAD_DATA, "sdf", "s.#.obj", "--frames", "1-3", "-o", "d.#.vdb", "--resolution", 20, mentions=("frame 3", "s.3.obj"))
             self.assertFalse(self.path("d.1.vdb").exists())
-        self.write("s.3.obj", harness.obj(tilted(harness.torus(minor=0.15, around=20))))
+        self.write("s.3.obj", harness.obj(ring(around=20)))
         stops(BAD_DATA, ("s.3.obj", "1024", "640", "--rest-attribute", "r.obj"), "--rest", "r.obj")
         stops(BAD_DATA, ("s.3.obj", "1024", "640", "velocity"), "--attributes", "velocity", frame=2)
         # Without a rest, faces may change.
@@ -178,7 +183,7 @@ class Motion(harness.TextureTest):
                 self.assertIn(words, run.stderr.decode())
 
     def test_faces_may_change_where_points_bring_their_places_at_rest(self):
-        for frame, torus in ((1, self.rest), (2, tilted(harness.torus(minor=0.15, around=40, across=20)))):
+        for frame, torus in ((1, self.rest), (2, ring(around=40, across=20))):
             self.write(f"v.{frame:04}.ply", with_rest(bent(torus, 20 * frame), torus))
         said = self.ok("fractal", "v.####.ply", "--rest-attribute", "rest", *LOW, "--frames", "1-2", "--mesh", "a.####.ply")
         self.assertNotIn("not used of the target", said)

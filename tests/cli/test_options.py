@@ -255,11 +255,9 @@ class Options(harness.CliTest):
         points, faces = harness.lumpy()
         thin = [(x * (1.2 + 0.4 * y), y, z) for x, y, z in points]
         self.write("rest.obj", harness.obj((thin, faces)))
-        # A thin rod across its box, because what a pose costs grows with the share of the box that it fills.
-        axes = (3 ** -0.5, ) * 3, (2 ** -0.5, -2 ** -0.5, 0), (6 ** -0.5, 6 ** -0.5, -2 * 6 ** -0.5)
-        rod = [tuple(x * a + 0.1 * (y * b + z * c) for a, b, c in zip(*axes)) for x, y, z in points]
-        self.write("rod.obj", harness.obj((rod, faces)))
-        self.write("rod_rest.obj", harness.obj(([(x * (1.2 + 0.4 * y), y, z) for x, y, z in rod], faces)))
+        rod = test_motion.tilted(([(0.1 * z, x, 0.1 * y) for x, y, z in points], faces))
+        self.write("rod.obj", harness.obj(rod))
+        self.write("rod_rest.obj", harness.obj(([(x * (1.2 + 0.4 * y), y, z) for x, y, z in rod[0]], faces)))
         self.write("bent.obj", harness.obj(test_motion.bent((points, faces), 30)))
         self.write("home.ply", test_motion.with_rest((points, faces), (thin, faces), "home", points))
         self.write("on.obj", harness.obj(harness.moved(harness.lumpy(), 1, (0.1, 0, 0))))
