@@ -254,7 +254,8 @@ class WrongBrowsers(ProgramTest):
                         "the picture of the other look")
         self.make()
         self.button("Beside the target").click()
-        self.wait_until(lambda: "has no WebGL 2" in self.said(), "the refusal")
+        self.wait_until(lambda: self.run_script(is_shown), "the picture beside which the target would be")
+        self.wait_until(lambda: "has no WebGL 2, which the picture of the target needs" in self.said(), "the refusal")
         self.assertEqual(self.errors(), [])
 
     # Promise: Without WebGL 2, the page ...

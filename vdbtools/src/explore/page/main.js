@@ -269,7 +269,7 @@ async function run() {
       exact.src = URL.createObjectURL(picture);
       await exact.decode();
       exact.hidden = false;
-      tellOfExact(`${words} ${BACK}`);
+      if (!status.classList.contains("error")) tellOfExact(`${words} ${BACK}`);  // an error that came meanwhile stays to be read
     } catch (error) {
       if (mine !== exposing || error.name === "AbortError") return;
       hideExact();
