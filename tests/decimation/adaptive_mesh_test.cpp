@@ -90,6 +90,23 @@ TEST(AdaptiveMesh, APlaneTakesAFewTriangles) {
   EXPECT_LE(sampledDistance(mesh, coarse), 0.02);
 }
 
+// The planes are a thousand times as wide as the bound, so that the rounding of their many points adds up.
+TEST(AdaptiveMesh, CoordinatesOf32BitsMakeAPlaneNoRougher) {
+  Mesh exact = makeSphere(1, 5);  // becomes an oblique cube
+  const Vec3d x = Vec3d(1, 2, 3).unit(), y = Vec3d(3, 0, -1).unit(), z = x.cross(y);
+  for (Vec3d& p : exact.points) {
+    p /= std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+    p = x * p[0] + y * p[1] + z * p[2];
+  }
+  Mesh rounded = exact;
+  for (Vec3d& p : rounded.points) p = Vec3d(openvdb::Vec3s(p));
+  vdbtools::Monitor monitor;
+  const Mesh coarse = meshOf(vdbtools::adaptedMesh(rounded, 0.002, monitor), rounded);
+  EXPECT_EQ(mesh_laws::notClosedManifold(coarse), "");
+  EXPECT_LE(sampledDistance(rounded, coarse), 0.002);
+  EXPECT_LT(coarse.triangles.size(), 1.05 * vdbtools::adaptedMesh(exact, 0.002, monitor).triangles.size());
+}
+
 // Nothing but its border says that a sheet has a notch.
 TEST(AdaptiveMesh, ANotchInASheetStaysOpen) {
   constexpr std::uint32_t kCells = 40;

@@ -28,8 +28,9 @@ constexpr double kNearLimit = 0.95;
 /// A new triangle that is not proved to be near after so many halvings counts as far.
 constexpr int kMostHalvings = 12;
 
-/// Collapses of inner points with less than this quadric error stay in the planes of the triangles around, and their
-/// new triangles are not tested: that would take as long as a plane is large.
+/// Collapses of inner points onto places whose mean squared distance from the planes of the triangles around is less
+/// than this stay in these planes, and their new triangles are not tested: that would take as long as a plane is large.
+/// The rounding of coordinates to 32 bits moves points by less.
 constexpr double kFlat = 1e-6;
 
 class BoundedCollapse {
@@ -159,11 +160,21 @@ class BoundedCollapse {
     }
   }
 
+  /// Of the planes of the triangles around both points.
+  OpenMesh::Geometry::Quadricd quadricOf(Halfedge half) const {
+    OpenMesh::Geometry::Quadricd quadric = mQuadrics[at(mMesh.from_vertex_handle(half))];
+    quadric += mQuadrics[at(mMesh.to_vertex_handle(half))];
+    return quadric;
+  }
+
   double quadricError(Halfedge half) const {
-    const Vertex from = mMesh.from_vertex_handle(half), to = mMesh.to_vertex_handle(half);
-    OpenMesh::Geometry::Quadricd quadric = mQuadrics[at(from)];
-    quadric += mQuadrics[at(to)];
-    return std::max(quadric(mMesh.point(to)), 0.0);
+    return std::max(quadricOf(half)(mMesh.point(mMesh.to_vertex_handle(half))), 0.0);
+  }
+
+  bool isFlat(Halfedge half) const {
+    const OpenMesh::Geometry::Quadricd quadric = quadricOf(half);
+    const double area = quadric.a() + quadric.e() + quadric.h();  // of all triangles, whose normals have the length 1
+    return quadricError(half) < kFlat * std::max(area, 1.0);
   }
 
   /// The quadric error and, where that is about 0, the shorter edge first: triangles of all sizes would make one point
@@ -243,7 +254,7 @@ class BoundedCollapse {
     mFirst.push_back(0);
     for (std::size_t i = mLoose.size(); i-- > 0;)
       if (!isNearNewTriangles(mSamples[mLoose[i]], mFirst[i])) return false;
-    if (quadricError(half) < kFlat && !mMesh.is_boundary(from)) return true;
+    if (isFlat(half) && !mMesh.is_boundary(from)) return true;
     const auto likely = [&](const Vec3d& place, std::optional<std::uint32_t> nearby) {
       constexpr std::size_t kFewSamples = 100;
       if (nearby && mLoose.size() > kFewSamples) return nearby;
