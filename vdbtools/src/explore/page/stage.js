@@ -75,7 +75,7 @@ export class Stage {
 
   // The picture of a shot apart from that on the stage: {image, values}, where values are linear, with the coverage,
   // from the lowest row up; null if it was dropped. owner: its requester; owners of lower rank come first.
-  // isFiner: with more rays per pixel, if the GPU is fast.
+  // isFiner: with more rays per pixel, if the GPU is fast, up to those of the look.
   drawSmall(shot, width, height, { owner = "", rank = 0, isFiner = false } = {}) {
     return new Promise((resolve, reject) => {
       const at = this.smalls.findIndex((one) => one.rank > rank);
@@ -186,7 +186,8 @@ export class Stage {
     const { shot, width, height, isFiner, resolve, reject } = next;
     try {
       if (!this.small) {
-        const samples = isFiner ? Math.min(8, Math.max(1, Math.floor(SMALL * this.renderer.rate / (width * height)))) : 1;
+        const most = Math.min(8, shot.look.samples || 8);
+        const samples = isFiner ? Math.min(most, Math.max(1, Math.floor(SMALL * this.renderer.rate / (width * height)))) : 1;
         this.small = { ...next, exposure: new Exposure(this.renderer, width, height, shot, { samples, axes: 13 }) };
       }
       const { exposure } = this.small;
