@@ -667,7 +667,6 @@ class Browser(browser.BrowserTest):
         self.assertEqual(self.find(".finder .note").text, "No control of this map has these words.")
         field.send_keys("\ue00c")  # Escape
         self.assertEqual(shown(), before)
-        # By the name of the option, in any group.
         # By the name of the option, in any group; not those with detail, elsewhere on the page, or on a shelf.
         names, unfound = self.driver.execute_async_script("""
             const done = arguments[1], field = document.querySelector(".finder input");
