@@ -29,6 +29,13 @@ Mesh horned(int subdivisions) {
   return mesh;
 }
 
+/// A cube whose edges are cut off here and there.
+Mesh cubed(int subdivisions) {
+  Mesh mesh = makeSphere(1, subdivisions);
+  for (Vec3d& p : mesh.points) p /= std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+  return mesh;
+}
+
 /// The greatest distance of random places on a surface from another one.
 double sampledDistance(const Mesh& from, const Mesh& to) {
   const vdbtools::SurfaceSearch search(to.points, to.triangles);
@@ -80,8 +87,7 @@ TEST(AdaptiveMesh, StaysWithinTheBoundOfARoughSurface) {
 }
 
 TEST(AdaptiveMesh, APlaneTakesAFewTriangles) {
-  Mesh mesh = makeSphere(1, 5);  // becomes a cube whose edges are cut off here and there
-  for (Vec3d& p : mesh.points) p /= std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+  const Mesh mesh = cubed(5);
   vdbtools::Monitor monitor;
   const Mesh coarse = meshOf(vdbtools::adaptedMesh(mesh, 0.02, monitor), mesh);
   EXPECT_EQ(mesh_laws::notClosedManifold(coarse), "");
@@ -92,12 +98,9 @@ TEST(AdaptiveMesh, APlaneTakesAFewTriangles) {
 
 // The planes are a thousand times as wide as the bound, so that the rounding of their many points adds up.
 TEST(AdaptiveMesh, CoordinatesOf32BitsMakeAPlaneNoRougher) {
-  Mesh exact = makeSphere(1, 5);  // becomes an oblique cube
+  Mesh exact = cubed(5);
   const Vec3d x = Vec3d(1, 2, 3).unit(), y = Vec3d(3, 0, -1).unit(), z = x.cross(y);
-  for (Vec3d& p : exact.points) {
-    p /= std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
-    p = x * p[0] + y * p[1] + z * p[2];
-  }
+  for (Vec3d& p : exact.points) p = x * p[0] + y * p[1] + z * p[2];
   Mesh rounded = exact;
   for (Vec3d& p : rounded.points) p = Vec3d(openvdb::Vec3s(p));
   vdbtools::Monitor monitor;
