@@ -144,14 +144,15 @@ void requirePartFits(const CommandLine& line, const std::string& input, const vd
 }
 
 /// The shape as a closed mesh.
+/// @param united  receives the number of parts of a mesh that ran into each other
 vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std::uint64_t resolution,
-                         vdbtools::Monitor& progress) {
+                         vdbtools::Monitor& progress, std::size_t& united) {
   if (vdbtools::isVdbPath(input)) {
     const vdbtools::VdbFile vdb = vdbtools::readVdb(input);
     return vdbtools::meshOfLevelSet(*vdbtools::chooseFloatGrid(vdb, line.text("grid"), input), progress);
   }
   progress.begin(vdbtools::PhaseKind::Reading, 0);
-  return vdbtools::closedMesh(vdbtools::readMesh(input), resolution, line.has("repair"), progress);
+  return vdbtools::closedMesh(vdbtools::readMesh(input), resolution, line.has("repair"), progress, &united);
 }
 
 std::string counted(std::uint64_t count, const char* one, const char* several) {
@@ -211,9 +212,10 @@ void makePart(const CommandLine& line, const std::string& input, const std::opti
               const vdbtools::PrintOptions& options, std::optional<vdbtools::LengthUnit> unit,
               const vdbtools::FileFormat& format, const FrameRun& run) {
   vdbtools::AtomicFile& file = run.outputs.add("output", line.text("output"), &vdbtools::FileFormat::printed);
+  std::size_t united = 0;
   const vdbtools::PrintedPart part =
       vdbtools::printedPart(fractal ? vdbtools::fractalMesh(vdbtools::makeScene(*fractal, run.monitor), run.monitor)
-                                    : readShape(line, input, options.resolution, run.monitor),
+                                    : readShape(line, input, options.resolution, run.monitor, united),
                             options, run.monitor);
   run.monitor.begin(vdbtools::PhaseKind::Writing, 0);
   vdbtools::MeshWriteOptions write{.format = &format};
@@ -235,6 +237,9 @@ void makePart(const CommandLine& line, const std::string& input, const std::opti
   report().count("thinnest", part.thinnest);
   report().count("thinPlaces", part.thinPlaces);
   tellPart(part, options, run.outputs.names());
+  if (united > 1)
+    report().text() << united << " parts of the mesh run into each other, and were made one on a lattice, which rounds "
+                    << "edges; a higher --resolution rounds them less\n";
 }
 
 }  // namespace

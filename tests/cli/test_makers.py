@@ -316,6 +316,14 @@ class Makers(harness.CliTest):
                 break
         self.assertEqual(heard, wanted)
 
+    # Promise: Closed parts that run ...
+    def test_parts_that_run_into_each_other_are_told(self):
+        self.write("two.obj", harness.obj(harness.snowman()))
+        told = self.ok("print", "two.obj", "-o", "p.ply", "--longest-side", 40, "--resolution", 40)
+        self.assertIn("2 parts of the mesh run into each other", told)
+        self.assertNotIn("island", told)
+        self.closed("p.ply")
+
     def test_parts_refuse_what_makes_no_sense(self):
         part = ("print", "s.obj", "-o", "p.stl")
         self.refused(USAGE, *part, mentions="--longest-side")

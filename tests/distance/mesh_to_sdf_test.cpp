@@ -147,6 +147,18 @@ TEST_F(MeshToSdf, CubeIsTheDistanceToACube) {
   EXPECT_NEAR(insideVolume(*grid), 8, 24 * h / 2);
 }
 
+// Nor does rounding decide which side they are on.
+TEST_F(MeshToSdf, NodesOnTheSurfaceAreNotInside) {
+  for (const double first : {0.0, 0.7, -3.5, 100.1})
+    for (const int steps : {7, 12, 20}) {
+      const double h = 0.7 / steps;
+      const Vec3d low(first, 2 * first, 0.7);
+      const FloatGrid::Ptr grid = convert(makeBox(low, low + Vec3d(2.1, 0.7, 1.4)), withVoxelSize(h, 3, 2 * steps));
+      const double inside = (3 * steps - 1) * (steps - 1) * (2 * steps - 1);
+      EXPECT_NEAR(insideVolume(*grid) / (h * h * h), inside, 1e-6) << first << ' ' << steps;
+    }
+}
+
 TEST_F(MeshToSdf, BandsAreAsWideAsAskedFor) {
   constexpr double h = 0.05;
   const Mesh sphere = makeSphere(1, 4);

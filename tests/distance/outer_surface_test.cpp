@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Distances to parts that run into each other, beside the exact ones to their union.
 #include "distance/outer_surface.h"
+#include "support/mesh_laws.h"
 #include "support/test_meshes.h"
 
 #include "vdbtools/distance/mesh_to_sdf.h"
@@ -275,6 +276,19 @@ TEST_F(OuterSurface, APartIsExaminedOnlyWhereItMayCrossItself) {
   EXPECT_GT(surface->triangles.size(), eight.triangles.size() / 2);
   const Mesh left{.points = surface->points, .triangles = surface->triangles};
   for (const HiddenPlace& place : placesOf(left)) EXPECT_FALSE(Eight::isDeep(place.point)) << place.point;
+}
+
+// Promise: "Parts that run into each ..."
+TEST_F(OuterSurface, AFaceInWhichPartsTouchIsNoWallHoweverSmallItIs) {
+  const Mesh plate = makeBox({0, 0, 0}, {40, 8, 40});
+  for (const double width : {0.1, 2.0, 20.0}) {
+    const Mesh post = makeBox({17.3, 8, 16.1}, {17.3 + width, 30, 16.1 + width});
+    const auto surface = outerSurfaceOf(merged(plate, post), {});
+    ASSERT_TRUE(surface) << width;
+    EXPECT_EQ(surface->parts, (PartCounts{.intersecting = 2}));
+    EXPECT_NEAR(mesh_laws::area({.points = surface->points, .triangles = surface->triangles}),
+                mesh_laws::area(plate) + mesh_laws::area(post) - 2 * width * width, 1e-3);
+  }
 }
 
 // Promise: "Parts that run into each ..."

@@ -15,6 +15,7 @@
 namespace {
 
 using openvdb::Vec3d;
+using test_meshes::flipped;
 using test_meshes::makeBox;
 using test_meshes::makeCube;
 using test_meshes::makeSphere;
@@ -190,6 +191,68 @@ TEST(PrintJob, KeepsItsSizeBaseAndThicknessWithinATolerance) {
   EXPECT_LT(part.mesh.triangles.size(), exact.mesh.triangles.size() / 3);
   EXPECT_NEAR(part.baseArea, exact.baseArea, 0.02 * exact.baseArea);
   EXPECT_EQ(part.thinPlaces, 0u);
+}
+
+/// What a command reads from a file with this mesh.
+Mesh closedOf(const Mesh& mesh, std::uint64_t resolution, std::size_t* united = nullptr) {
+  vdbtools::Monitor monitor;
+  return vdbtools::closedMesh(mesh, resolution, false, monitor, united);
+}
+
+// Promise of printing.md: "Closed parts that run into each other or stand on each other become one"
+TEST(PrintJob, PartsThatRunIntoEachOtherAreOne) {
+  const Mesh plate = makeBox({0, 0, 0}, {6, 1, 4}), across = makeBox({1, 0.5, 1}, {2, 5, 2}),
+             standing = makeBox({4, 1, 1}, {5, 5, 3});
+  const double volume = 24 + 4 + 8;  // half a unit of the box across lies within the plate
+  for (const bool insideOut : {false, true}) {
+    std::size_t united = 0;
+    const Mesh mesh = closedOf(merged(merged(insideOut ? flipped(plate) : plate, across), standing), 120, &united);
+    EXPECT_EQ(united, 3u);
+    const PrintedPart part = printed(mesh, {.size = 60});
+    expectStands(part, 60);
+    EXPECT_EQ(part.islands, 1u);
+    EXPECT_EQ(part.cavities, 0u);
+    EXPECT_NEAR(part.volume, 1000 * volume, 0.01 * 1000 * volume);
+  }
+}
+
+// Promise: Closed parts that run ...
+TEST(PrintJob, AThinPartThatStandsOnAnotherIsKept) {
+  // It has less than a thousandth of the volume, and stands on less than a three-hundredth of its own surface.
+  const Mesh mesh = closedOf(merged(makeBox({0, 0, 0}, {10, 2, 10}), makeBox({5, 2, 5}, {5.12, 12, 5.12})), 200);
+  const PrintedPart part = printed(mesh, {.size = 60});
+  EXPECT_EQ(part.islands, 1u);
+  EXPECT_GT(part.extents[2], 59);
+}
+
+// Promise of printing.md: "A tiny part that hardly touches another one is dropped as an island"
+TEST(PrintJob, ATinyPartThatHardlyTouchesChangesNothing) {
+  const Mesh large = makeBox({0, 0, 0}, {10, 10, 10}), tiny = makeBox({9.9, 9.9, 9.9}, {10.6, 10.6, 10.6});
+  std::size_t united = 1;
+  const Mesh mesh = closedOf(merged(large, tiny), 60, &united);
+  EXPECT_EQ(united, 0u);
+  EXPECT_EQ(mesh.triangles, merged(large, tiny).triangles);
+  const PrintedPart part = printed(mesh, {.size = 60});
+  EXPECT_EQ(part.islands, 2u);
+  EXPECT_NEAR(part.volume, 60 * 60 * 60, 1e-6 * 60 * 60 * 60);
+}
+
+// Promise of printing.md: "Parts that are inside out are turned"
+TEST(PrintJob, TurnsPartsThatAreInsideOutAndFillsHollows) {
+  const Mesh box = makeBox({0, 0, 0}, {4, 4, 4}), beside = makeBox({6, 0, 0}, {9, 3, 3});
+  const Mesh hollow = flipped(makeBox({1, 1, 1}, {3, 3, 3}));
+  for (const bool first : {false, true})
+    for (const bool second : {false, true}) {
+      const Mesh solid = merged(box, hollow);
+      const Mesh given = merged(first ? flipped(solid) : solid, second ? flipped(beside) : beside);
+      const Mesh mesh = closedOf(given, 60);
+      EXPECT_EQ(mesh.points, given.points);
+      const PrintedPart part = printed(mesh, {.size = 90, .islands = 2, .resolution = 90});
+      EXPECT_EQ(part.islands, 2u);
+      EXPECT_EQ(part.cavities, 1u);
+      EXPECT_EQ(part.droppedShare, 0);
+      EXPECT_NEAR(part.volume, 1000 * (64 + 27), 0.01 * 1000 * (64 + 27));
+    }
 }
 
 // Promise: A print drops islands but ...

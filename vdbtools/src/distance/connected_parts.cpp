@@ -2,6 +2,7 @@
 #include "distance/connected_parts.h"
 
 #include "base/disjoint_sets.h"
+#include "distance/triangle_cut.h"
 #include "mesh/position_table.h"
 
 #include <tbb/concurrent_vector.h>
@@ -71,7 +72,8 @@ bool mayMeet(const ConnectedParts& parts) {
     return x < y || (x == y && a < b);
   });
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const BBoxd& box = parts.box[order[i]];
+    BBoxd box = parts.box[order[i]];
+    box.expand(kTouch);
     for (std::size_t k = i + 1; k < order.size() && parts.box[order[k]].min()[0] <= box.max()[0]; ++k)
       if (box.hasOverlap(parts.box[order[k]]) &&
           (parts.closure[order[i]] != Closure::Open || parts.closure[order[k]] != Closure::Open))

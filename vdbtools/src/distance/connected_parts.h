@@ -87,7 +87,7 @@ struct ConnectedParts {
 /// @throw Interrupted
 ConnectedParts findParts(const WeldedMesh& mesh, const Monitor& monitor);
 
-/// Whether the box of a closed part overlaps the box of another part.
+/// Whether the box of a closed part overlaps or touches the box of another part.
 bool mayMeet(const ConnectedParts& parts);
 
 }  // namespace vdbtools

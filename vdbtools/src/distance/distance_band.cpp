@@ -45,6 +45,10 @@ constexpr float kFar = 1e30F;
 /// Because of rounding errors, a dot product of vectors in voxels counts as positive only above this.
 constexpr double kOnePlane = 1e-6;
 
+/// Nodes nearer to the surface than this, in voxels, lie on it: rounding alone would put some of them inside, where
+/// they would be islands of one node.
+constexpr float kOnSurface = 1e-9F;
+
 double halfDiagonal(int side) { return 0.5 * (side - 1) * std::sqrt(3.0); }
 
 Vec3d middleOf(const Coord& origin, int side) { return origin.asVec3d() + Vec3d(0.5 * (side - 1)); }
@@ -338,7 +342,7 @@ bool fillLeaf(const BlockDistances& block, float exterior, float interior, const
   float* const values = leaf.buffer().data();
   openvdb::util::NodeMask<Leaf::LOG2DIM> active;
   for (Index i = 0; i < Leaf::SIZE; ++i) {
-    const float d = block.distances()[i];
+    const float distance = block.distances()[i], d = distance < kOnSurface ? 0.0F : distance;
     const bool outside = isOutside(i);
     values[i] = outside ? std::min(d, exterior) : -std::min(d, interior);
     if (d < (outside ? exterior : interior)) active.setOn(i);

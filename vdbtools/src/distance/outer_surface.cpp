@@ -80,17 +80,19 @@ class Union {
   }
 
   OuterSurface surface() {
-    OuterSurface result{.points = mMesh.points(), .triangles = {}, .parts = nesting().counts};
-    for (std::size_t t = 0; t < mFate.size(); ++t) {
+    OuterSurface result{.points = mMesh.points(), .triangles = {}, .source = {}, .parts = nesting().counts};
+    for (std::uint32_t t = 0; t < mFate.size(); ++t) {
       if (mFate[t] == Fate::Kept) result.triangles.push_back(mMesh.triangles()[t]);
-      if (mFate[t] != Fate::Cut) continue;
-      const TrianglePlane plane = planeOf(static_cast<std::uint32_t>(t));
-      for (const ConvexPolygon& piece : mPieces.at(static_cast<std::uint32_t>(t))) {
-        const auto first = static_cast<std::uint32_t>(result.points.size());
-        for (const Vec2d& p : piece) result.points.push_back(plane.space(p));
-        for (std::uint32_t k = 1; k + 1 < piece.size(); ++k)
-          result.triangles.emplace_back(first, first + k, first + k + 1);
+      if (mFate[t] == Fate::Cut) {
+        const TrianglePlane plane = planeOf(t);
+        for (const ConvexPolygon& piece : mPieces.at(t)) {
+          const auto first = static_cast<std::uint32_t>(result.points.size());
+          for (const Vec2d& p : piece) result.points.push_back(plane.space(p));
+          for (std::uint32_t k = 1; k + 1 < piece.size(); ++k)
+            result.triangles.emplace_back(first, first + k, first + k + 1);
+        }
       }
+      result.source.resize(result.triangles.size(), t);
     }
     return result;
   }

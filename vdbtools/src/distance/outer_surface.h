@@ -26,6 +26,7 @@ struct HiddenPlace {
 struct OuterSurface {
   std::vector<openvdb::Vec3d> points;
   std::vector<openvdb::Vec3I> triangles;  ///< remaining triangles, and pieces of others, in the mesh's order
+  std::vector<std::uint32_t> source;      ///< of each of them, the triangle of the mesh that it is or is a piece of
   PartCounts parts{};
 };
 

@@ -2,8 +2,11 @@
 #include "vdbtools/print/print_job.h"
 
 #include "base/disjoint_sets.h"
+#include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
+#include "distance/outer_surface.h"
 #include "repair/solid_input.h"
+#include "search/triangle_tree.h"
 #include "surface/part_shape.h"
 #include "surface/part_thickness.h"
 #include "vdbtools/base/text.h"
@@ -135,6 +138,58 @@ MeshReport checkedReport(const Mesh& mesh) {
   return openSolid("the mesh", std::shared_ptr<const Mesh>(std::shared_ptr<const Mesh>(), &mesh), {}).report;
 }
 
+/// Whether a shell other than the largest runs into another one, so that a part that is made without it lacks
+/// something. A tiny one that hardly touches does not: islands of a fractal may meet in a place that no lattice
+/// resolves.
+/// @param mesh   in voxels of the lattice on which the union would be made
+/// @param outer  its outer surface
+bool joinsShells(const Mesh& mesh, const Shells& shells, const OuterSurface& outer) {
+  constexpr double kTiny = 1e-3, kHardly = 0.25;         // of the largest volume; of the shell's mean cross-section
+  std::vector<double> within(shells.volumes.size(), 0);  // areas
+  std::vector<openvdb::BBoxd> boxes(within.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t shell = shells.ofTriangle[t];
+    within[shell] += areaOf({&mesh.triangles[t], 1}, mesh.points);
+    for (int c = 0; c < 3; ++c) boxes[shell].expand(mesh.points[mesh.triangles[t][c]]);
+  }
+  std::vector<char> isOuter(within.size(), 0);
+  for (std::size_t t = 0; t < outer.triangles.size(); ++t) {
+    const std::uint32_t shell = shells.ofTriangle[outer.source[t]];
+    within[shell] -= areaOf({&outer.triangles[t], 1}, outer.points);
+    isOuter[shell] = 1;
+  }
+  const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  const auto largest = std::max_element(shells.volumes.begin(), shells.volumes.end(), larger);
+  for (std::size_t i = 0; i < within.size(); ++i) {
+    const double volume = std::abs(shells.volumes[i]), section = volume / longestSide(boxes[i]);
+    if (isOuter[i] && i != static_cast<std::size_t>(largest - shells.volumes.begin()) && within[i] > 1 &&
+        (volume > kTiny * std::abs(*largest) || within[i] > kHardly * section))
+      return true;
+  }
+  return false;
+}
+
+/// Orients the shells of a closed mesh: those that no other one encloses outwards, the others inwards.
+/// @param voxel  of the lattice on which the union of shells would be made
+/// @return empty if shells run into each other, so that only their union is one part
+std::optional<Mesh> withShellsOriented(const Mesh& mesh, double voxel, Monitor& monitor) {
+  const Mesh scaled{.points = toIndexSpace(mesh.points, voxel), .triangles = mesh.triangles};
+  const Shells shells = shellsOf(scaled);
+  if (shells.volumes.size() < 2) return mesh;
+  const auto outer = outerSurface(TriangleTree(scaled.points, scaled.triangles), {}, monitor);
+  if (outer && outer->parts.intersecting > 1 && joinsShells(scaled, shells, *outer)) return std::nullopt;
+  std::vector<char> isOuter(shells.volumes.size(), outer ? 0 : 1);
+  if (outer)
+    for (const std::uint32_t t : outer->source) isOuter[shells.ofTriangle[t]] = 1;
+  Mesh oriented = mesh;
+  for (std::size_t t = 0; t < oriented.triangles.size(); ++t) {
+    const std::uint32_t shell = shells.ofTriangle[t];
+    if (isOuter[shell] ? shells.volumes[shell] < 0 : shells.volumes[shell] > 0)
+      std::swap(oriented.triangles[t][1], oriented.triangles[t][2]);
+  }
+  return oriented;
+}
+
 /// Puts the mesh on its feet: its up axis points along z, and the middle of its base is at 0.
 void stand(Mesh& mesh) {
   const openvdb::BBoxd box = boundingBox(mesh);
@@ -239,12 +294,15 @@ double enoughBase(const openvdb::Vec3d& extents) {
   return std::max(extents[0] * extents[1] / 100, slender * slender);
 }
 
-Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor) {
+Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor, std::size_t* united) {
   openvdb::initialize();
   const MeshReport report = checkedReport(mesh);
-  if (!repair && report.closed()) return mesh;
   const double voxel = longestSide(report.box) / static_cast<double>(resolution > 0 ? resolution : kUsualResolution);
+  if (united) *united = 0;
+  if (!repair && report.closed())
+    if (std::optional<Mesh> oriented = withShellsOriented(mesh, voxel, monitor)) return *std::move(oriented);
   const MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, kPartBand, kPartBand), {.repair = repair}, monitor);
+  if (united) *united = sdf.parts.intersecting;
   return meshOfLevelSet(*sdf.grid, monitor);
 }
 

@@ -11,6 +11,7 @@
 #include "vdbtools/base/units.h"
 #include "vdbtools/mesh/mesh.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -61,10 +62,14 @@ double enoughBase(const openvdb::Vec3d& extents);
 /// The relative error of a measured thickness.
 inline constexpr double kThicknessRounding = 0.02;
 
-/// Returns the mesh itself if it is closed and @a repair is false; otherwise the surface of its distance field.
+/// Makes one closed surface of a mesh. A closed mesh, with @a repair false, keeps its points and triangles; parts of it
+/// that are inside out are turned. A mesh that is not closed, or whose closed parts run into each other, becomes the
+/// surface of its distance field, in which these are one.
 /// @param resolution  voxels of that field along the longest side; 0: 400
+/// @param united      if not null, receives the number of parts that ran into each other
 /// @throw DataError, Interrupted  as meshToSdf() and repairedMeshToSdf()
-Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor);
+Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor,
+                std::size_t* united = nullptr);
 
 /// The thickness at a place is the diameter of the largest ball within the part whose centre is no farther from the
 /// place than that diameter. Edges and tips of 60 degrees or more, and roughness up to half of the minimum thickness,
