@@ -238,7 +238,7 @@ class Union {
   }
 
   /// Triangles that nothing cuts or touches have the fate of their neighbours: three triangles of each patch are
-  /// tested, so that a single rounding error does not decide over all of it.
+  /// tested, so that a single rounding error does not decide over all of it. One that is touched is a patch of its own.
   void decideWholeOnes() {
     const auto count = static_cast<std::uint32_t>(mTriangles.size());
     DisjointSets<std::uint32_t> patches(count);
@@ -247,28 +247,28 @@ class Union {
         const std::uint32_t other = mPartner[3 * t + static_cast<std::uint32_t>(c)];
         if (other != kNone && mFate[other] == Fate::Whole) patches.join(t, other);
       }
-    // In members, the triangles of a patch follow each other; the patch that i represents ends at ends[i].
+    // In members, the triangles of a patch follow each other; the patch that i represents ends at ends[i]. No thread
+    // reads the fate of a triangle of another patch.
     std::vector<std::uint32_t> members, ends(count + 1, 0);
+    const auto isUndecided = [this](std::uint32_t t) { return mFate[t] == Fate::Whole || mFate[t] == Fate::Touched; };
     for (std::uint32_t t = 0; t < count; ++t)
-      if (mFate[t] == Fate::Whole) ++ends[patches.find(t) + 1];
+      if (isUndecided(t)) ++ends[patches.find(t) + 1];
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
     members.resize(ends.back());
     ends.pop_back();
     for (std::uint32_t t = 0; t < count; ++t)
-      if (mFate[t] == Fate::Whole) members[ends[patches.find(t)]++] = t;
+      if (isUndecided(t)) members[ends[patches.find(t)]++] = t;
     const auto ask = [this](std::uint32_t t) {
       const TrianglePlane plane = planeOf(t);
       return keeps(t, plane.normal(), middleOf(t)) ? Fate::Kept : Fate::Buried;
     };
     inParallel(count, 64, mMonitor, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const auto t = static_cast<std::uint32_t>(i);
-        if (mFate[t] == Fate::Touched) mFate[t] = ask(t);
         const std::size_t first = i == 0 ? 0 : ends[i - 1];
         const std::span patch = std::span(members).subspan(first, ends[i] - first);
         if (patch.empty()) continue;
         const Fate fate = ask(patch.front());
-        const bool agree = ask(patch[patch.size() / 2]) == fate && ask(patch.back()) == fate;
+        const bool agree = patch.size() == 1 || (ask(patch[patch.size() / 2]) == fate && ask(patch.back()) == fate);
         for (const std::uint32_t member : patch) mFate[member] = agree ? fate : ask(member);
       }
       mMonitor.advance(end - begin);
