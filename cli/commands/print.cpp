@@ -144,7 +144,7 @@ void requirePartFits(const CommandLine& line, const std::string& input, const vd
 }
 
 /// The shape as a closed mesh.
-/// @param united  receives the number of parts of a mesh that ran into each other
+/// @param united  receives the number of closed parts of a mesh that were made one
 vdbtools::Mesh readShape(const CommandLine& line, const std::string& input, std::uint64_t resolution,
                          vdbtools::Monitor& progress, std::size_t& united) {
   if (vdbtools::isVdbPath(input)) {
@@ -237,7 +237,7 @@ void makePart(const CommandLine& line, const std::string& input, const std::opti
   report().count("thinnest", part.thinnest);
   report().count("thinPlaces", part.thinPlaces);
   tellPart(part, options, run.outputs.names());
-  if (united > 1)
+  if (united > 0)
     report().text() << united << " parts of the mesh run into each other, and were made one on a lattice, which rounds "
                     << "edges; a higher --resolution rounds them less\n";
 }

@@ -225,6 +225,18 @@ TEST(PrintJob, AThinPartThatStandsOnAnotherIsKept) {
   EXPECT_GT(part.extents[2], 59);
 }
 
+// Promise: Closed parts that run ...
+TEST(PrintJob, BlocksThatStandOnEachOtherAreOne) {
+  Mesh wall;
+  for (int x = 0; x < 3; ++x)
+    for (int y = 0; y < 2; ++y) wall = merged(wall, makeBox(Vec3d(x, y, 0), Vec3d(x + 1, y + 1, 1)));
+  std::size_t united = 0;
+  const PrintedPart part = printed(closedOf(wall, 90, &united), {.size = 30});
+  EXPECT_EQ(united, 6u);
+  EXPECT_EQ(part.islands, 1u);
+  EXPECT_NEAR(part.volume, 6000, 0.02 * 6000);
+}
+
 // Promise of printing.md: "A tiny part that hardly touches another one is dropped as an island"
 TEST(PrintJob, ATinyPartThatHardlyTouchesChangesNothing) {
   const Mesh large = makeBox({0, 0, 0}, {10, 10, 10}), tiny = makeBox({9.9, 9.9, 9.9}, {10.6, 10.6, 10.6});

@@ -2,6 +2,7 @@
 #include "vdbtools/print/print_job.h"
 
 #include "base/disjoint_sets.h"
+#include "distance/connected_parts.h"
 #include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
 #include "distance/outer_surface.h"
@@ -138,12 +139,13 @@ MeshReport checkedReport(const Mesh& mesh) {
   return openSolid("the mesh", std::shared_ptr<const Mesh>(std::shared_ptr<const Mesh>(), &mesh), {}).report;
 }
 
-/// Whether a shell other than the largest runs into another one, so that a part that is made without it lacks
-/// something. A tiny one that hardly touches does not: islands of a fractal may meet in a place that no lattice
+/// How many shells run into others or stand on them, if a part that is made without one of these lacks something.
+/// Without a tiny one that hardly touches it does not: islands of a fractal may meet in a place that no lattice
 /// resolves.
 /// @param mesh   in voxels of the lattice on which the union would be made
 /// @param outer  its outer surface
-bool joinsShells(const Mesh& mesh, const Shells& shells, const OuterSurface& outer) {
+/// @return 0 if no shell other than the largest would be missed
+std::size_t shellsThatMeet(const Mesh& mesh, const Shells& shells, const OuterSurface& outer) {
   constexpr double kTiny = 1e-3, kHardly = 0.25;         // of the largest volume; of the shell's mean cross-section
   std::vector<double> within(shells.volumes.size(), 0);  // areas
   std::vector<openvdb::BBoxd> boxes(within.size());
@@ -158,26 +160,54 @@ bool joinsShells(const Mesh& mesh, const Shells& shells, const OuterSurface& out
     within[shell] -= areaOf({&outer.triangles[t], 1}, outer.points);
     isOuter[shell] = 1;
   }
-  const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b); };
-  const auto largest = std::max_element(shells.volumes.begin(), shells.volumes.end(), larger);
+  const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  const auto largest = std::max_element(shells.volumes.begin(), shells.volumes.end(), smaller);
+  std::size_t meeting = 0;
+  bool isMissed = false;
   for (std::size_t i = 0; i < within.size(); ++i) {
+    if (!isOuter[i] || !(within[i] > 1)) continue;
+    ++meeting;
+    if (i == static_cast<std::size_t>(largest - shells.volumes.begin())) continue;
     const double volume = std::abs(shells.volumes[i]), section = volume / longestSide(boxes[i]);
-    if (isOuter[i] && i != static_cast<std::size_t>(largest - shells.volumes.begin()) && within[i] > 1 &&
-        (volume > kTiny * std::abs(*largest) || within[i] > kHardly * section))
-      return true;
+    isMissed |= volume > kTiny * std::abs(*largest) || within[i] > kHardly * section;
   }
-  return false;
+  return isMissed ? meeting : 0;
+}
+
+/// Places that have a mesh examined whose shells have points at the same position, where outerSurface() takes them for
+/// one part: the middles of all triangles. None for other meshes.
+std::vector<HiddenPlace> placesToExamine(const TriangleTree& mesh, const Shells& shells) {
+  constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  const WeldedMesh welded(mesh);
+  std::vector<std::uint32_t> shellAt(welded.points().size(), kNone);
+  bool isShared = false;
+  for (std::size_t t = 0; t < shells.ofTriangle.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      std::uint32_t& shell = shellAt[welded.triangles()[t][c]];
+      if (shell == kNone) shell = shells.ofTriangle[t];
+      isShared |= shell != shells.ofTriangle[t];
+    }
+  std::vector<HiddenPlace> places;
+  if (!isShared) return places;
+  for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
+    const Vec3I& t = mesh.triangles()[i];
+    places.push_back({i, (mesh.points()[t[0]] + mesh.points()[t[1]] + mesh.points()[t[2]]) / 3.0});
+  }
+  return places;
 }
 
 /// Orients the shells of a closed mesh: those that no other one encloses outwards, the others inwards.
-/// @param voxel  of the lattice on which the union of shells would be made
-/// @return empty if shells run into each other, so that only their union is one part
-std::optional<Mesh> withShellsOriented(const Mesh& mesh, double voxel, Monitor& monitor) {
+/// @param voxel    of the lattice on which the union of shells would be made
+/// @param meeting  receives shellsThatMeet()
+/// @return empty if there are some, so that only their union is one part
+std::optional<Mesh> withShellsOriented(const Mesh& mesh, double voxel, std::size_t& meeting, Monitor& monitor) {
   const Mesh scaled{.points = toIndexSpace(mesh.points, voxel), .triangles = mesh.triangles};
   const Shells shells = shellsOf(scaled);
   if (shells.volumes.size() < 2) return mesh;
-  const auto outer = outerSurface(TriangleTree(scaled.points, scaled.triangles), {}, monitor);
-  if (outer && outer->parts.intersecting > 1 && joinsShells(scaled, shells, *outer)) return std::nullopt;
+  const TriangleTree tree(scaled.points, scaled.triangles);
+  const auto outer = outerSurface(tree, placesToExamine(tree, shells), monitor);
+  meeting = outer && outer->parts.intersecting > 0 ? shellsThatMeet(scaled, shells, *outer) : 0;
+  if (meeting > 0) return std::nullopt;
   std::vector<char> isOuter(shells.volumes.size(), outer ? 0 : 1);
   if (outer)
     for (const std::uint32_t t : outer->source) isOuter[shells.ofTriangle[t]] = 1;
@@ -296,13 +326,14 @@ double enoughBase(const openvdb::Vec3d& extents) {
 
 Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor, std::size_t* united) {
   openvdb::initialize();
+  if (united) *united = 0;
   const MeshReport report = checkedReport(mesh);
   const double voxel = longestSide(report.box) / static_cast<double>(resolution > 0 ? resolution : kUsualResolution);
-  if (united) *united = 0;
+  std::size_t meeting = 0;
   if (!repair && report.closed())
-    if (std::optional<Mesh> oriented = withShellsOriented(mesh, voxel, monitor)) return *std::move(oriented);
+    if (std::optional<Mesh> oriented = withShellsOriented(mesh, voxel, meeting, monitor)) return *std::move(oriented);
+  if (united) *united = meeting;
   const MeshSdf sdf = makeSdf(mesh, sdfBand(voxel, kPartBand, kPartBand), {.repair = repair}, monitor);
-  if (united) *united = sdf.parts.intersecting;
   return meshOfLevelSet(*sdf.grid, monitor);
 }
 

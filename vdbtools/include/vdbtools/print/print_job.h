@@ -66,7 +66,7 @@ inline constexpr double kThicknessRounding = 0.02;
 /// that are inside out are turned. A mesh that is not closed, or whose closed parts run into each other, becomes the
 /// surface of its distance field, in which these are one.
 /// @param resolution  voxels of that field along the longest side; 0: 400
-/// @param united      if not null, receives the number of parts that ran into each other
+/// @param united      if not null, receives the number of closed parts that were made one
 /// @throw DataError, Interrupted  as meshToSdf() and repairedMeshToSdf()
 Mesh closedMesh(const Mesh& mesh, std::uint64_t resolution, bool repair, Monitor& monitor,
                 std::size_t* united = nullptr);
