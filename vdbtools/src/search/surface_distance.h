@@ -52,7 +52,7 @@ class NearProof {
     const openvdb::Vec3d middle = (piece[0] + piece[1] + piece[2]) / 3.0;
     nearby = likely(middle, nearby);
     if (nearby && isNearTo(piece, *nearby)) return std::nullopt;
-    if (!nearby || halvings >= kManyHalvings || !isNearTo({middle, middle, middle}, *nearby)) {
+    if (!nearby || halvings >= kManyHalvings || !isNear(middle, cornersOf(*nearby))) {
       const auto nearest = mSearch.nearest(middle, mLimit, nearby);
       if (!nearest) return middle;
       nearby = nearest->triangle;
@@ -72,12 +72,19 @@ class NearProof {
     return far ? far : farPlace({half, to, across}, likely, nearby, halvings + 1);
   }
 
-  bool isNearTo(const TriangleCorners& piece, std::uint32_t triangle) const {
+  TriangleCorners cornersOf(std::uint32_t triangle) const {
     const openvdb::Vec3I& t = mSurface.triangles[triangle];
-    const TriangleCorners corners = {mSurface.points[t[0]], mSurface.points[t[1]], mSurface.points[t[2]]};
-    return std::all_of(piece.begin(), piece.end(), [&](const openvdb::Vec3d& corner) {
-      return squaredDistance(corner, corners) <= mLimit * mLimit;
-    });
+    return {mSurface.points[t[0]], mSurface.points[t[1]], mSurface.points[t[2]]};
+  }
+
+  bool isNear(const openvdb::Vec3d& place, const TriangleCorners& corners) const {
+    return squaredDistance(place, corners) <= mLimit * mLimit;
+  }
+
+  bool isNearTo(const TriangleCorners& piece, std::uint32_t triangle) const {
+    const TriangleCorners corners = cornersOf(triangle);
+    return std::all_of(piece.begin(), piece.end(),
+                       [&](const openvdb::Vec3d& corner) { return isNear(corner, corners); });
   }
 
   double mLimit;
