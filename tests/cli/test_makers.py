@@ -316,7 +316,7 @@ class Makers(harness.CliTest):
                 break
         self.assertEqual(heard, wanted)
 
-    # Promise: Closed parts that run ...
+    # Promise: "Closed parts that run ..."
     def test_parts_that_run_into_each_other_are_told(self):
         self.write("two.obj", harness.obj(harness.snowman()))
         told = self.ok("print", "two.obj", "-o", "p.ply", "--longest-side", 40, "--resolution", 40)

@@ -216,7 +216,7 @@ TEST(PrintJob, PartsThatRunIntoEachOtherAreOne) {
   }
 }
 
-// Promise: Closed parts that run ...
+// Promise: "Closed parts that run ..."
 TEST(PrintJob, AThinPartThatStandsOnAnotherIsKept) {
   // It has less than a thousandth of the volume, and stands on less than a three-hundredth of its own surface.
   const Mesh mesh = closedOf(merged(makeBox({0, 0, 0}, {10, 2, 10}), makeBox({5, 2, 5}, {5.12, 12, 5.12})), 200);
@@ -225,7 +225,7 @@ TEST(PrintJob, AThinPartThatStandsOnAnotherIsKept) {
   EXPECT_GT(part.extents[2], 59);
 }
 
-// Promise: Closed parts that run ...
+// Promise: "Closed parts that run ..."
 TEST(PrintJob, BlocksThatStandOnEachOtherAreOne) {
   Mesh wall;
   for (int x = 0; x < 3; ++x)
