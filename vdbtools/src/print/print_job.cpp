@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/print/print_job.h"
 
-#include "base/disjoint_sets.h"
-#include "distance/connected_parts.h"
-#include "distance/hole_caps.h"
-#include "distance/mesh_conversion.h"
-#include "distance/outer_surface.h"
+#include "print/shells.h"
 #include "repair/solid_input.h"
-#include "search/triangle_tree.h"
 #include "surface/part_shape.h"
 #include "surface/part_thickness.h"
 #include "vdbtools/base/text.h"
@@ -47,35 +42,6 @@ void requireOptions(const PrintOptions& options) {
   if (!(options.tolerance >= 0 && std::isfinite(options.tolerance)))
     refuse("tolerance", options.tolerance, "0 or above");
   if (options.islands == 0) throw std::invalid_argument("0 islands cannot be printed; keep 1 or more");
-}
-
-/// The surfaces of a closed mesh that are connected through points.
-struct Shells {
-  std::vector<std::uint32_t> ofTriangle;
-  std::vector<double> volumes;  ///< negative: the surface of a cavity
-};
-
-Shells shellsOf(const Mesh& mesh) {
-  constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  DisjointSets<std::uint32_t> sets(mesh.points.size());
-  for (const Vec3I& t : mesh.triangles) {
-    sets.join(t[0], t[1]);
-    sets.join(t[1], t[2]);
-  }
-  Shells shells;
-  std::vector<std::uint32_t> numbers(mesh.points.size(), kNone);
-  const Vec3d origin = mesh.points.front();  // near the triangles, so that little precision is lost
-  for (const Vec3I& t : mesh.triangles) {
-    std::uint32_t& number = numbers[sets.find(t[0])];
-    if (number == kNone) {
-      number = static_cast<std::uint32_t>(shells.volumes.size());
-      shells.volumes.push_back(0);
-    }
-    shells.ofTriangle.push_back(number);
-    shells.volumes[number] +=
-        (mesh.points[t[0]] - origin).dot((mesh.points[t[1]] - origin).cross(mesh.points[t[2]] - origin)) / 6;
-  }
-  return shells;
 }
 
 /// The triangles for which @a keep(triangle) holds, and their points.
@@ -137,87 +103,6 @@ Mesh keepIslands(const Mesh& mesh, std::uint64_t count, PrintedPart* report) {
 /// @throw as openSolid()
 MeshReport checkedReport(const Mesh& mesh) {
   return openSolid("the mesh", std::shared_ptr<const Mesh>(std::shared_ptr<const Mesh>(), &mesh), {}).report;
-}
-
-/// How many shells run into others or stand on them, if a part that is made without one of these lacks something.
-/// Without a tiny one that hardly touches it does not: islands of a fractal may meet in a place that no lattice
-/// resolves.
-/// @param mesh   in voxels of the lattice on which the union would be made
-/// @param outer  its outer surface
-/// @return 0 if no shell other than the largest would be missed
-std::size_t shellsThatMeet(const Mesh& mesh, const Shells& shells, const OuterSurface& outer) {
-  constexpr double kTiny = 1e-3, kHardly = 0.25;         // of the largest volume; of the shell's mean cross-section
-  std::vector<double> within(shells.volumes.size(), 0);  // areas
-  std::vector<openvdb::BBoxd> boxes(within.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const std::uint32_t shell = shells.ofTriangle[t];
-    within[shell] += areaOf({&mesh.triangles[t], 1}, mesh.points);
-    for (int c = 0; c < 3; ++c) boxes[shell].expand(mesh.points[mesh.triangles[t][c]]);
-  }
-  std::vector<char> isOuter(within.size(), 0);
-  for (std::size_t t = 0; t < outer.triangles.size(); ++t) {
-    const std::uint32_t shell = shells.ofTriangle[outer.source[t]];
-    within[shell] -= areaOf({&outer.triangles[t], 1}, outer.points);
-    isOuter[shell] = 1;
-  }
-  const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
-  const auto largest = std::max_element(shells.volumes.begin(), shells.volumes.end(), smaller);
-  std::size_t meeting = 0;
-  bool isMissed = false;
-  for (std::size_t i = 0; i < within.size(); ++i) {
-    if (!isOuter[i] || !(within[i] > 1)) continue;
-    ++meeting;
-    if (i == static_cast<std::size_t>(largest - shells.volumes.begin())) continue;
-    const double volume = std::abs(shells.volumes[i]), section = volume / longestSide(boxes[i]);
-    isMissed |= volume > kTiny * std::abs(*largest) || within[i] > kHardly * section;
-  }
-  return isMissed ? meeting : 0;
-}
-
-/// Places that have a mesh examined whose shells have points at the same position, where outerSurface() takes them for
-/// one part: the middles of all triangles. None for other meshes.
-std::vector<HiddenPlace> placesToExamine(const TriangleTree& mesh, const Shells& shells) {
-  constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  const WeldedMesh welded(mesh);
-  std::vector<std::uint32_t> shellAt(welded.points().size(), kNone);
-  bool isShared = false;
-  for (std::size_t t = 0; t < shells.ofTriangle.size(); ++t)
-    for (int c = 0; c < 3; ++c) {
-      std::uint32_t& shell = shellAt[welded.triangles()[t][c]];
-      if (shell == kNone) shell = shells.ofTriangle[t];
-      isShared |= shell != shells.ofTriangle[t];
-    }
-  std::vector<HiddenPlace> places;
-  if (!isShared) return places;
-  for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
-    const Vec3I& t = mesh.triangles()[i];
-    places.push_back({i, (mesh.points()[t[0]] + mesh.points()[t[1]] + mesh.points()[t[2]]) / 3.0});
-  }
-  return places;
-}
-
-/// Orients the shells of a closed mesh: those that no other one encloses outwards, the others inwards.
-/// @param voxel    of the lattice on which the union of shells would be made
-/// @param meeting  receives shellsThatMeet()
-/// @return empty if there are some, so that only their union is one part
-std::optional<Mesh> withShellsOriented(const Mesh& mesh, double voxel, std::size_t& meeting, Monitor& monitor) {
-  const Mesh scaled{.points = toIndexSpace(mesh.points, voxel), .triangles = mesh.triangles};
-  const Shells shells = shellsOf(scaled);
-  if (shells.volumes.size() < 2) return mesh;
-  const TriangleTree tree(scaled.points, scaled.triangles);
-  const auto outer = outerSurface(tree, placesToExamine(tree, shells), monitor);
-  meeting = outer && outer->parts.intersecting > 0 ? shellsThatMeet(scaled, shells, *outer) : 0;
-  if (meeting > 0) return std::nullopt;
-  std::vector<char> isOuter(shells.volumes.size(), outer ? 0 : 1);
-  if (outer)
-    for (const std::uint32_t t : outer->source) isOuter[shells.ofTriangle[t]] = 1;
-  Mesh oriented = mesh;
-  for (std::size_t t = 0; t < oriented.triangles.size(); ++t) {
-    const std::uint32_t shell = shells.ofTriangle[t];
-    if (isOuter[shell] ? shells.volumes[shell] < 0 : shells.volumes[shell] > 0)
-      std::swap(oriented.triangles[t][1], oriented.triangles[t][2]);
-  }
-  return oriented;
 }
 
 /// Puts the mesh on its feet: its up axis points along z, and the middle of its base is at 0.
