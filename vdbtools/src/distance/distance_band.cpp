@@ -45,8 +45,8 @@ constexpr float kFar = 1e30F;
 /// Because of rounding errors, a dot product of vectors in voxels counts as positive only above this.
 constexpr double kOnePlane = 1e-6;
 
-/// Nodes nearer to the surface than this, in voxels, lie on it: rounding alone would put some of them inside, where
-/// they would be islands of one node.
+/// Nodes nearer to the surface than this, in voxels, lie on it, and are not inside: rounding alone would put some of
+/// them there, where they would be islands of one node.
 constexpr float kOnSurface = 1e-9F;
 
 double halfDiagonal(int side) { return 0.5 * (side - 1) * std::sqrt(3.0); }
@@ -342,9 +342,9 @@ bool fillLeaf(const BlockDistances& block, float exterior, float interior, const
   float* const values = leaf.buffer().data();
   openvdb::util::NodeMask<Leaf::LOG2DIM> active;
   for (Index i = 0; i < Leaf::SIZE; ++i) {
-    const float distance = block.distances()[i], d = distance < kOnSurface ? 0.0F : distance;
+    const float d = block.distances()[i];
     const bool outside = isOutside(i);
-    values[i] = outside ? std::min(d, exterior) : -std::min(d, interior);
+    values[i] = outside ? std::min(d, exterior) : -std::min(d < kOnSurface ? 0.0F : d, interior);
     if (d < (outside ? exterior : interior)) active.setOn(i);
   }
   leaf.setValueMask(active);
