@@ -21,33 +21,31 @@ using openvdb::Vec3I;
 constexpr std::uint32_t kNoShell = ~std::uint32_t{0};
 
 /// The number of shells that meet, as withShellsOriented() counts them.
-/// @param mesh   in voxels of the lattice on which the union would be made
-/// @param outer  its outer surface
-std::size_t shellsThatMeet(const Mesh& mesh, const Shells& shells, const OuterSurface& outer) {
-  constexpr double kTiny = 1e-3, kHardly = 0.25;         // of the largest volume; of the shell's mean cross-section
-  std::vector<double> within(shells.volumes.size(), 0);  // areas
-  std::vector<openvdb::BBoxd> boxes(within.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const std::uint32_t shell = shells.ofTriangle[t];
-    within[shell] += areaOf({&mesh.triangles[t], 1}, mesh.points);
-    for (int c = 0; c < 3; ++c) boxes[shell].expand(mesh.points[mesh.triangles[t][c]]);
+/// @param mesh     in voxels
+/// @param outer    its outer surface
+/// @param isOuter  the shells of which that has something
+std::size_t shellsThatMeet(const TriangleTree& mesh, const Shells& shells, double voxel, const OuterSurface& outer,
+                           const std::vector<char>& isOuter) {
+  constexpr double kTiny = 1e-3, kHardly = 0.25;  // of the largest volume; of the shell's mean cross-section
+  std::vector<double> within(isOuter.size(), 0);  // areas
+  std::vector<openvdb::BBoxd> boxes(isOuter.size());
+  for (std::size_t t = 0; t < shells.ofTriangle.size(); ++t) {
+    const Vec3I& triangle = mesh.triangles()[t];
+    within[shells.ofTriangle[t]] += areaOf({&triangle, 1}, mesh.points());
+    for (int c = 0; c < 3; ++c) boxes[shells.ofTriangle[t]].expand(mesh.points()[triangle[c]]);
   }
-  std::vector<char> isOuter(within.size(), 0);
-  for (std::size_t t = 0; t < outer.triangles.size(); ++t) {
-    const std::uint32_t shell = shells.ofTriangle[outer.source[t]];
-    within[shell] -= areaOf({&outer.triangles[t], 1}, outer.points);
-    isOuter[shell] = 1;
-  }
-  const auto smaller = [](double a, double b) { return std::abs(a) < std::abs(b); };
-  const auto largest = std::max_element(shells.volumes.begin(), shells.volumes.end(), smaller);
+  for (std::size_t t = 0; t < outer.triangles.size(); ++t)
+    within[shells.ofTriangle[outer.source[t]]] -= areaOf({&outer.triangles[t], 1}, outer.points);
+  std::vector<double> volumes;
+  for (const double volume : shells.volumes) volumes.push_back(std::abs(volume) / (voxel * voxel * voxel));
+  const auto largest = std::max_element(volumes.begin(), volumes.end());
   std::size_t meeting = 0;
   bool isMissed = false;
-  for (std::size_t i = 0; i < within.size(); ++i) {
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
     if (!isOuter[i] || !(within[i] > 1)) continue;
     ++meeting;
-    if (i == static_cast<std::size_t>(largest - shells.volumes.begin())) continue;
-    const double volume = std::abs(shells.volumes[i]), section = volume / longestSide(boxes[i]);
-    isMissed |= volume > kTiny * std::abs(*largest) || within[i] > kHardly * section;
+    if (i == static_cast<std::size_t>(largest - volumes.begin())) continue;
+    isMissed |= volumes[i] > kTiny * *largest || within[i] > kHardly * volumes[i] / longestSide(boxes[i]);
   }
   return isMissed ? meeting : 0;
 }
@@ -98,17 +96,18 @@ Shells shellsOf(const Mesh& mesh) {
 }
 
 std::optional<Mesh> withShellsOriented(const Mesh& mesh, double voxel, std::size_t& meeting, Monitor& monitor) {
-  const Mesh scaled{.points = toIndexSpace(mesh.points, voxel), .triangles = mesh.triangles};
-  const Shells shells = shellsOf(scaled);
   meeting = 0;
+  const Shells shells = shellsOf(mesh);
   if (shells.volumes.size() < 2) return mesh;
-  const TriangleTree tree(scaled.points, scaled.triangles);
+  const std::vector<Vec3d> points = toIndexSpace(mesh.points, voxel);
+  const TriangleTree tree(points, mesh.triangles);
   const auto outer = outerSurface(tree, placesToExamine(tree, shells), monitor);
-  if (outer && outer->parts.intersecting > 0) meeting = shellsThatMeet(scaled, shells, *outer);
-  if (meeting > 0) return std::nullopt;
   std::vector<char> isOuter(shells.volumes.size(), outer ? 0 : 1);
-  if (outer)
+  if (outer) {
     for (const std::uint32_t t : outer->source) isOuter[shells.ofTriangle[t]] = 1;
+    if (outer->parts.intersecting > 0) meeting = shellsThatMeet(tree, shells, voxel, *outer, isOuter);
+    if (meeting > 0) return std::nullopt;
+  }
   Mesh oriented = mesh;
   for (std::size_t t = 0; t < oriented.triangles.size(); ++t) {
     const std::uint32_t shell = shells.ofTriangle[t];
