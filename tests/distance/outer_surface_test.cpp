@@ -292,6 +292,24 @@ TEST_F(OuterSurface, AFaceInWhichPartsTouchIsNoWallHoweverSmallItIs) {
 }
 
 // Promise: "Parts that run into each ..."
+TEST_F(OuterSurface, SoIsAFaceWhoseCornersBothPartsHave) {
+  for (const double width : {0.1, 2.0, 20.0}) {
+    const Mesh lower = makeBox({0, 0, 0}, {width, 8, width}), upper = makeBox({0, 8, 0}, {width, 30, width});
+    const auto surface = outerSurfaceOf(merged(lower, upper), {});
+    ASSERT_TRUE(surface) << width;
+    EXPECT_EQ(surface->parts, (PartCounts{.intersecting = 1}));
+    EXPECT_NEAR(mesh_laws::area({.points = surface->points, .triangles = surface->triangles}),
+                mesh_laws::area(lower) + mesh_laws::area(upper) - 2 * width * width, 1e-3);
+  }
+}
+
+// Promise: "Parts that run into each ..."
+TEST_F(OuterSurface, BlocksThatShareAnEdgeAloneKeepTheirFaces) {
+  const Mesh low = makeBox({0, 0, 0}, {5, 5, 5}), high = makeBox({5, 5, 0}, {10, 10, 5});
+  EXPECT_FALSE(outerSurfaceOf(merged(low, high), {}));
+}
+
+// Promise: "Parts that run into each ..."
 TEST_F(OuterSurface, BallsThatMeetHaveTheDistancesOfTheirUnion) {
   const double r = 0.7;
   const Vec3d a(0, 0, 0), b(0.9, 0.2, 0.1);

@@ -33,6 +33,7 @@ ConnectedParts findParts(const WeldedMesh& mesh, const Monitor& monitor) {
   const std::vector<Vec3I>& triangles = mesh.triangles();
   DisjointSets<std::uint32_t> sets(triangles.size());
   tbb::concurrent_vector<std::pair<std::uint32_t, Closure>> exceptions;
+  tbb::concurrent_vector<std::uint32_t> branching;
   forEachEdge(mesh, monitor, [&](std::span<const EdgeUse> uses) {
     int balance = 0;
     for (const EdgeUse& use : uses) {
@@ -42,6 +43,7 @@ ConnectedParts findParts(const WeldedMesh& mesh, const Monitor& monitor) {
     }
     if (balance != 0)
       exceptions.emplace_back(uses.front().triangle(), uses.size() % 2 == 0 ? Closure::Parity : Closure::Open);
+    if (uses.size() > 2) branching.push_back(uses.front().triangle());
   });
   ConnectedParts parts;
   parts.of.assign(triangles.size(), ConnectedParts::kNone);
@@ -61,6 +63,8 @@ ConnectedParts findParts(const WeldedMesh& mesh, const Monitor& monitor) {
     Closure& whole = parts.closure[parts.of[triangle]];
     whole = std::min(whole, closure);
   }
+  parts.closedOneBranches = std::any_of(branching.begin(), branching.end(),
+                                        [&](std::uint32_t t) { return parts.closure[parts.of[t]] != Closure::Open; });
   return parts;
 }
 

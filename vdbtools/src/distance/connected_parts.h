@@ -81,6 +81,7 @@ struct ConnectedParts {
   std::vector<std::uint32_t> of;    ///< the part of each triangle; kNone: it repeats a corner
   std::vector<Closure> closure;     ///< of each part
   std::vector<openvdb::BBoxd> box;  ///< of each part
+  bool closedOneBranches = false;   ///< whether a closed part uses an edge more than twice: it may touch itself there
 };
 
 /// Finds the parts. They are numbered in the order of their first triangles.

@@ -533,7 +533,7 @@ std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<con
   ConnectedParts parts = findParts(welded, monitor);
   if (std::all_of(parts.closure.begin(), parts.closure.end(), [](Closure c) { return c == Closure::Open; }))
     return std::nullopt;
-  const bool meet = mayMeet(parts);
+  const bool meet = parts.closedOneBranches || mayMeet(parts);
   Union all(welded, std::move(parts), monitor);
   if (!meet && (hidden.empty() || (!many && !all.hidesOne(hidden)))) return std::nullopt;
   all.find();

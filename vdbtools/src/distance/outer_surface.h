@@ -45,8 +45,8 @@ struct NestedSurfaces {
 ///
 /// The result is a set of triangles, not a closed mesh: at a cut, corners may lie on an edge.
 /// @param mesh    in index space: points within a few millionths of a voxel of each other count as coincident
-/// @param hidden  of all parts. A part that meets no other part's box is examined only if one of these lies within a
-/// part
+/// @param hidden  of all parts. Where no parts' boxes meet, and no closed part uses an edge more than twice, the mesh
+/// is examined only if one of these lies within a part
 /// @return empty if no triangle lies within a part: the mesh is its own outer surface
 /// @throw Interrupted
 std::optional<OuterSurface> outerSurface(const TriangleTree& mesh, std::span<const HiddenPlace> hidden,

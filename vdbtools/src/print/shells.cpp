@@ -2,7 +2,6 @@
 #include "print/shells.h"
 
 #include "base/disjoint_sets.h"
-#include "distance/connected_parts.h"
 #include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
 #include "distance/outer_surface.h"
@@ -50,27 +49,6 @@ std::size_t shellsThatMeet(const TriangleTree& mesh, const Shells& shells, doubl
   return isMissed ? meeting : 0;
 }
 
-/// Places that have a mesh examined whose shells have points at the same position, where outerSurface() takes them for
-/// one part: the middles of all triangles. None for other meshes.
-std::vector<HiddenPlace> placesToExamine(const TriangleTree& mesh, const Shells& shells) {
-  const WeldedMesh welded(mesh);
-  std::vector<std::uint32_t> shellAt(welded.points().size(), kNoShell);
-  bool isShared = false;
-  for (std::size_t t = 0; t < shells.ofTriangle.size(); ++t)
-    for (int c = 0; c < 3; ++c) {
-      std::uint32_t& shell = shellAt[welded.triangles()[t][c]];
-      if (shell == kNoShell) shell = shells.ofTriangle[t];
-      isShared |= shell != shells.ofTriangle[t];
-    }
-  std::vector<HiddenPlace> places;
-  if (!isShared) return places;
-  for (std::uint32_t i = 0; i < mesh.triangles().size(); ++i) {
-    const Vec3I& t = mesh.triangles()[i];
-    places.push_back({i, (mesh.points()[t[0]] + mesh.points()[t[1]] + mesh.points()[t[2]]) / 3.0});
-  }
-  return places;
-}
-
 }  // namespace
 
 Shells shellsOf(const Mesh& mesh) {
@@ -101,7 +79,7 @@ std::optional<Mesh> withShellsOriented(const Mesh& mesh, double voxel, std::size
   if (shells.volumes.size() < 2) return mesh;
   const std::vector<Vec3d> points = toIndexSpace(mesh.points, voxel);
   const TriangleTree tree(points, mesh.triangles);
-  const auto outer = outerSurface(tree, placesToExamine(tree, shells), monitor);
+  const auto outer = outerSurface(tree, {}, monitor);
   std::vector<char> isOuter(shells.volumes.size(), outer ? 0 : 1);
   if (outer) {
     for (const std::uint32_t t : outer->source) isOuter[shells.ofTriangle[t]] = 1;
