@@ -261,6 +261,11 @@ class FailingDevices(Devices):
             with self.subTest(number=number):
                 self.here(f"lost:{number}", "The processor goes on; the result is the same.")
 
+    # Promise: "the processor goes on; the run says so"
+    def test_one_that_is_lost_may_read_what_it_was_given_until_it_says_that_it_has(self):
+        kernels = self.use("fractal", "t.obj", *LOW, "--mesh", "there.ply")["deviceKernels"]
+        self.here(f"late:{kernels}", "The processor goes on; the result is the same.")
+
     # Promise: "exit code 70, and one line ..."
     def test_one_that_is_lost_at_the_start(self):
         self.refused(INTERNAL, "fractal", "t.obj", *LOW, "-o", "a.vdb", *ON, env=fake("lost:1"), mentions="OpenCL's error -5")

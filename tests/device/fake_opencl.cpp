@@ -3,6 +3,8 @@
 // which it is linked. JULIAVDB_FAKE_OPENCL says what it does:
 //
 //   lost:N      the Nth kernel that is run, and every later one, fails
+//   late:N      the same, and what is to be written for the Nth one is read two seconds later: a queue that is released
+//               meanwhile, which says that the memory is too, ends the process
 //   wrong:N     the Nth result that is read, and every later one, has one bit that is wrong
 //   hang:N      the Nth result that is read, and every later one, never arrives
 //   compiler    the compiler never ends
@@ -21,6 +23,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <thread>
@@ -43,7 +46,7 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-std::atomic<int> ran{0}, kernels{0}, wrongReads{0}, hungReads{0};
+std::atomic<int> ran{0}, kernels{0}, wrongReads{0}, hungReads{0}, lateWrites{0};
 std::atomic<bool> hangs{false};
 
 }  // namespace
@@ -54,7 +57,7 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
                               const size_t* size, const size_t* group, cl_uint count, const cl_event* events,
                               cl_event* event) {
   ++ran;
-  if (isDue("lost", kernels)) return CL_OUT_OF_RESOURCES;
+  if (isDue("lost", kernels) || isDue("late", kernels)) return CL_OUT_OF_RESOURCES;
   return next<decltype(clEnqueueNDRangeKernel)>("clEnqueueNDRangeKernel")(queue, kernel, dimensions, offset, size,
                                                                           group, count, events, event);
 }
@@ -92,6 +95,32 @@ cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocki
       queue, buffer, isWrong ? CL_TRUE : blocking, offset, size, to, count, events, event);
   if (isWrong && size > 0) static_cast<unsigned char*>(to)[size / 8 * 4] ^= 1;
   return error;
+}
+
+cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,
+                            const void* from, cl_uint count, const cl_event* events, cl_event* event) {
+  const auto write = next<decltype(clEnqueueWriteBuffer)>("clEnqueueWriteBuffer");
+  const std::string set = mode();
+  if (blocking || set.rfind("late:", 0) != 0 || kernels + 1 < std::atoi(set.c_str() + std::string("late:").size()))
+    return write(queue, buffer, blocking, offset, size, from, count, events, event);
+  cl_context context = nullptr;
+  clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof(context), &context, nullptr);
+  const cl_event begins = clCreateUserEvent(context, nullptr);
+  ++lateWrites;
+  std::thread([begins] {
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    --lateWrites;
+    clSetUserEventStatus(begins, CL_COMPLETE);
+  }).detach();
+  return write(queue, buffer, blocking, offset, size, from, 1, &begins, event);
+}
+
+cl_int clReleaseCommandQueue(cl_command_queue queue) {
+  if (lateWrites > 0) {
+    std::fputs("what was to be written has not been read yet\n", stderr);
+    std::abort();
+  }
+  return next<decltype(clReleaseCommandQueue)>("clReleaseCommandQueue")(queue);
 }
 
 cl_int clGetEventInfo(cl_event event, cl_event_info what, size_t size, void* to, size_t* needed) {

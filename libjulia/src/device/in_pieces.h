@@ -30,13 +30,12 @@ void inPieces(std::size_t size, std::size_t most, Loan& loan, const Function& pi
         piece(first, count);
         first += count;
       } catch (const DeviceIsFull&) {
-        if (count <= kFewest) throw;
-        loan->lane.forget();
+        if (count <= kFewest || !loan->lane.settle()) throw;
         most = count / 2;
       }
     }
-  } catch (const DeviceHangs&) {
-    keepUntilExit(loan.release());
+  } catch (...) {
+    if (!loan->lane.settle()) keepUntilExit(loan.release());
     throw;
   }
 }

@@ -231,8 +231,8 @@ bool OpenClDevice::hasArithmetic() {
   try {
     lane.read(out.get(), results.data(), results.size() * sizeof(Real));
     lane.wait();
-  } catch (const DeviceHangs&) {
-    keepUntilExit(held.release());
+  } catch (...) {
+    if (!lane.settle()) keepUntilExit(held.release());
     throw;
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -381,18 +381,26 @@ OpenClDevice::Memory OpenClDevice::Lane::uploaded(const void* data, std::size_t 
   return memory;
 }
 
-void OpenClDevice::Lane::write(cl_mem memory, const void* data, std::size_t bytes) const {
-  require(mDevice.mCl.EnqueueWriteBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, nullptr),
-          "its memory cannot be written");
+/// @param enqueue  gives the driver a kernel or a copy, whose event it sets
+template <class Enqueue>
+void OpenClDevice::Lane::begin(const char* refusal, const Enqueue& enqueue) {
+  mBegun.reserve(mBegun.size() + 1);
+  cl_event event = nullptr;
+  require(enqueue(&event), refusal);
+  mBegun.push_back(event);
+}
+
+void OpenClDevice::Lane::write(cl_mem memory, const void* data, std::size_t bytes) {
+  begin("its memory cannot be written", [&](cl_event* event) {
+    return mDevice.mCl.EnqueueWriteBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, event);
+  });
   mDevice.countUse([&](DeviceUse& use) { use.bytesTo += bytes; });
 }
 
 void OpenClDevice::Lane::read(cl_mem memory, void* data, std::size_t bytes) {
-  mBegun.reserve(mBegun.size() + 1);
-  cl_event event = nullptr;
-  require(mDevice.mCl.EnqueueReadBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, &event),
-          "its results cannot be read");
-  mBegun.push_back(event);
+  begin("its results cannot be read", [&](cl_event* event) {
+    return mDevice.mCl.EnqueueReadBuffer(mQueue, memory, CL_FALSE, 0, bytes, data, 0, nullptr, event);
+  });
   mDevice.countUse([&](DeviceUse& use) { use.bytesFrom += bytes; });
 }
 
@@ -424,20 +432,30 @@ void OpenClDevice::Lane::release(std::vector<cl_event>& events) const {
   events.clear();
 }
 
-/// Waits for an event.
-void OpenClDevice::Lane::await(cl_event event) const {
+bool OpenClDevice::Lane::settle() {
+  if (mDevice.mHangs) return false;
+  try {
+    require(mDevice.mCl.Flush(mQueue), "its queue cannot be started");
+    for (const cl_event event : mBegun) statusAtEnd(event);
+  } catch (const DeviceFailure&) {
+    return false;
+  }
+  release(mBegun);
+  return true;
+}
+
+/// Waits until a kernel or a copy has ended. @return below 0 if it has failed  @throw DeviceHangs
+cl_int OpenClDevice::Lane::statusAtEnd(cl_event event) const {
   using Clock = std::chrono::steady_clock;
-  const OpenClFunctions& cl = mDevice.mCl;
   // A driver's own wait has no timeout. Most answers take less than a millisecond.
   constexpr int kRoundsAwake = 200;
   constexpr std::chrono::microseconds kNap(100);
   const auto begin = Clock::now();
+  cl_int status = CL_QUEUED;
   for (int round = 0;; ++round) {
-    cl_int status = CL_QUEUED;
-    require(cl.GetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof(status), &status, nullptr),
+    require(mDevice.mCl.GetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof(status), &status, nullptr),
             "it does not say how far it is");
-    if (status < 0) require(status, "its work failed");
-    if (status == CL_COMPLETE) break;
+    if (status <= CL_COMPLETE) break;
     // As long as the device does the work of other threads, it does not hang.
     const Clock::duration since = std::max(begin.time_since_epoch(), mDevice.mLastAnswer.load());
     if (std::chrono::duration<double>(Clock::now().time_since_epoch() - since).count() > mDevice.mSeconds) {
@@ -452,8 +470,13 @@ void OpenClDevice::Lane::await(cl_event event) const {
       std::this_thread::sleep_for(kNap);
   }
   mDevice.mLastAnswer = Clock::now().time_since_epoch();
+  return status;
+}
+
+void OpenClDevice::Lane::await(cl_event event) const {
+  require(statusAtEnd(event), "its work failed");
   // Only this call guarantees that the data that was read is visible.
-  require(cl.WaitForEvents(1, &event), "its work failed");
+  require(mDevice.mCl.WaitForEvents(1, &event), "its work failed");
 }
 
 void OpenClDevice::Lane::run(std::size_t count) {
@@ -463,11 +486,9 @@ void OpenClDevice::Lane::run(std::size_t count) {
   mCount += count;
   for (std::size_t first = 0; first < all; first += mTogether) {
     const std::size_t size = std::min(mTogether, all - first);
-    mBegun.reserve(mBegun.size() + 1);
-    cl_event event = nullptr;
-    require(mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, &first, &size, &kGroup, 0, nullptr, &event),
-            "its kernel cannot be run");
-    mBegun.push_back(event);
+    begin("its kernel cannot be run", [&](cl_event* event) {
+      return mDevice.mCl.EnqueueNDRangeKernel(mQueue, mKernel, 1, &first, &size, &kGroup, 0, nullptr, event);
+    });
     mDevice.countUse([](DeviceUse& use) { ++use.kernels; });
   }
 }

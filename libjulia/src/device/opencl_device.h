@@ -28,7 +28,7 @@ class DeviceFailure : public std::runtime_error {
 };
 
 /// The device or its driver did not answer in time. It may still read and write the memory that it was given, so that
-/// memory is never released.
+/// memory is never released. After other failures it may do so until Lane::settle() returns true.
 class DeviceHangs : public DeviceFailure {
  public:
   using DeviceFailure::DeviceFailure;
@@ -40,7 +40,7 @@ class DeviceIsFull : public DeviceFailure {
   using DeviceFailure::DeviceFailure;
 };
 
-/// Keeps an object that a device may still use although it has stopped answering. The object is never released, but
+/// Keeps an object that a device may still use although it has failed. The object is never released, but
 /// stays reachable.
 void keepUntilExit(void* object);
 
@@ -113,14 +113,15 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     Memory made(std::size_t bytes, cl_mem_flags flags = CL_MEM_READ_WRITE) const;
     /// Memory that kernels only read.
     Memory uploaded(const void* data, std::size_t bytes) const;
-    /// Begins to write. @a data must stay valid until wait().
-    void write(cl_mem memory, const void* data, std::size_t bytes) const;
-    /// Begins to read, after everything that was begun earlier. @a data must stay valid until wait().
+    /// Begins to write. @a data must stay as it is until wait() or settle().
+    void write(cl_mem memory, const void* data, std::size_t bytes);
+    /// Begins to read, after everything that was begun earlier. @a data must stay valid until wait() or settle().
     void read(cl_mem memory, void* data, std::size_t bytes);
     /// Waits for everything that was begun. @throw DeviceHangs  one of the kernels or copies took too long
     void wait();
-    /// Forgets what was begun and has failed.
-    void forget() { release(mBegun); }
+    /// After a failure, waits until the driver no longer uses the memory of the host.
+    /// @return false if it does not say so: that memory may be neither changed nor released
+    bool settle();
     template <class T>
     void setArgument(cl_uint number, const T& value) const {
       if (mDevice.mCl.SetKernelArg(mKernel, number, sizeof(T), &value) != CL_SUCCESS)
@@ -131,6 +132,9 @@ class OpenClDevice final : public Device, public std::enable_shared_from_this<Op
     void run(std::size_t count);
 
    private:
+    template <class Enqueue>
+    void begin(const char* refusal, const Enqueue& enqueue);
+    cl_int statusAtEnd(cl_event event) const;
     void await(cl_event event) const;
     /// Forgets what was begun, if a failure ends the call.
     void release(std::vector<cl_event>& events) const;
