@@ -5,8 +5,8 @@ The options are read from what the program says of itself, so a new one takes pa
 with one that its placeholder suggests. Each is given to runs of RUNS. Such a run then makes something else or says something
 else, or it is refused in a line that names the option. And of each option there has to be a run that it changes.
 
-The first run of a command gets every option, and each other one every second option, in turns. An option that acted in none of
-these is given to the other runs too. JULIAVDB_OPTIONS=all gives every option to every run, which takes twice as long.
+The first run of a command gets every option, and each other one every third option, in turns. An option that acted in none of
+these is given to the other runs too. JULIAVDB_OPTIONS=all gives every option to every run, which takes more than twice as long.
 
 What is compared are the files without the recipe in them, which says of every option that it was given.
 """
@@ -383,7 +383,7 @@ class Options(harness.CliTest):
                     if row > 0 and name in CHANGES_NOTHING:
                         continue
                     scope = FRACTALS if command in FRACTALS and name in of_fractals else (command, )
-                    now = ALL or row == 0 or (row + column) % 2 == 0
+                    now = ALL or row == 0 or (row + column) % 3 == 0
                     (first if now else second).append((command, scope, name, run, self.words_with(command, run, option)))
         plain, acts = {}, set()
         self.judge(first, plain, acts)

@@ -7,6 +7,7 @@
 #include "distance/hole_caps.h"
 #include "distance/mesh_conversion.h"
 #include "distance/united_parts.h"
+#include "recipe/option_rows.h"
 #include "repair/solid_input.h"
 #include "vdbtools/base/voxel_choice.h"
 #include "vdbtools/files/named_file.h"
