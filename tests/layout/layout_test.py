@@ -188,6 +188,42 @@ def twins(root):
     return {name: sorted(paths) for name, paths in places.items() if len(paths) > 1}
 
 
+PROSE = re.compile(r'//[^\n]*|/\*.*?\*/|^[ \t]*#[^\n]*|R"\(.*?\)"|"(?:\\.|[^"\\\n])*"', re.MULTILINE | re.DOTALL)
+ENUMERATORS = re.compile(r"\benum\b[^{;]*\{([^}]*)\}")
+
+
+def unreached(root):
+    """Files of the rooms that use a type whose header they do not include, neither themselves nor through others. A unity
+    build hides that: another source of the group includes it. Types that several headers define are not looked at."""
+    included, code = {}, {}
+    for path in sources(root):
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            text = file.read()
+        named = (resolve(root, path, match.group(2)) for match in INCLUDE.finditer(text) if match.group(1) == '"')
+        included[path], code[path] = [header for header in named if header], PROSE.sub("", text)
+    defined = {}
+    for path, text in code.items():
+        if path.endswith(".h"):
+            for match in TYPE.finditer(ANONYMOUS.sub("", text)):
+                defined.setdefault(match.group(1), []).append(path)
+    own = {path: set(re.findall(r"\b(?:class|struct|using) (\w+)", text)) |
+           {word for body in ENUMERATORS.findall(text) for word in re.findall(r"\w+", body)} for path, text in code.items()}
+    found = []
+    for path, text in code.items():
+        if not place_of(path):
+            continue
+        reached, open_ends = {path}, [path]
+        while open_ends:
+            new = set(included[open_ends.pop()]) - reached
+            reached |= new
+            open_ends += new
+        known = set().union(*(own[other] for other in reached))
+        for name in sorted(set(re.findall(r"(?<![\w.:>])\w+", text)) - known):
+            if len(defined.get(name, ())) == 1 and defined[name][0] not in reached:
+                found.append(f"{path} uses {name}, and includes {defined[name][0]} in no way")
+    return found
+
+
 class TheTree(unittest.TestCase):
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
@@ -207,6 +243,9 @@ class TheTree(unittest.TestCase):
 
     def test_each_type_is_defined_once(self):
         self.assertEqual(twins(self.root), {})
+
+    def test_each_file_includes_what_defines_its_types(self):
+        self.assertEqual(unreached(self.root), [])
 
     def test_the_files_are_found(self):
         found = list(sources(self.root))
@@ -290,6 +329,20 @@ class ABadTree(unittest.TestCase):
                 with open(os.path.join(root, path), "w", encoding="utf-8") as file:
                     file.write(text)
             self.assertEqual(twins(root), {("vdbtools", "A"): ["vdbtools/src/field/b.h", "vdbtools/src/mesh/a.h"]})
+
+    def test_a_type_whose_header_is_not_included(self):
+        header = "namespace vdbtools {\nclass Rows {\n};\n}\n"
+        files = {"vdbtools/src/recipe/rows.h": header, "vdbtools/src/recipe/table.h": '#include "recipe/rows.h"\n',
+                 "vdbtools/src/job/good.cpp": '#include "recipe/table.h"\nRows rows;\n',
+                 "vdbtools/src/job/other.cpp": 'class Rows;\n// Rows\nconst char* text = "Rows";\n',
+                 "vdbtools/src/job/bad.cpp": "static Rows rows;\n"}
+        with tempfile.TemporaryDirectory() as root:
+            for path, text in files.items():
+                os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
+                with open(os.path.join(root, path), "w", encoding="utf-8") as file:
+                    file.write(text)
+            self.assertEqual(unreached(root),
+                             ["vdbtools/src/job/bad.cpp uses Rows, and includes vdbtools/src/recipe/rows.h in no way"])
 
     def test_a_file_in_no_room(self):
         self.expect("vdbtools/src/cellar/bad.cpp", "", "lies in no room")
