@@ -3,6 +3,7 @@
 
 #include "base/base64.h"
 #include "base/srgb.h"
+#include "vdbtools/files/file_bytes.h"
 #include "vdbtools/recipe/option_value.h"
 
 #include <array>

@@ -6,6 +6,7 @@
 #include "distance/mesh_conversion.h"
 #include "distance/outer_surface.h"
 #include "search/triangle_tree.h"
+#include "vdbtools/base/fractal_space.h"
 
 #include <algorithm>
 #include <cmath>

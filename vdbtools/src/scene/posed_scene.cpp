@@ -7,6 +7,7 @@
 #include "scene/target_parts.h"
 #include "vdbtools/base/errors.h"
 #include "vdbtools/recipe/option_value.h"
+#include "vdbtools/target/target_survey.h"
 
 #include <utility>
 
