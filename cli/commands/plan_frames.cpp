@@ -6,6 +6,7 @@
 #include "output.h"
 #include "report.h"
 #include "scene_recipe.h"
+#include "sequence.h"
 
 #include "vdbtools/base/text.h"
 #include "vdbtools/farm/plans.h"
