@@ -5,6 +5,7 @@
 #include "vdbtools/maps/map_options.h"
 #include "vdbtools/maps/map_registry.h"
 #include "vdbtools/maps/versor_options.h"
+#include "vdbtools/motion/motion_options.h"
 #include "vdbtools/surface/surface_options.h"
 #include "vdbtools/target/space_options.h"
 #include "vdbtools/target/target_input.h"

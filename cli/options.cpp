@@ -13,6 +13,7 @@
 #include "vdbtools/base/text.h"
 #include "vdbtools/files/file_bytes.h"
 #include "vdbtools/files/standard_streams.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/formats/vdb_file.h"
 #include "vdbtools/job/sheet_job.h"
 #include "vdbtools/maps/device_choice.h"

@@ -7,6 +7,7 @@
 #include "report.h"
 
 #include "vdbtools/base/errors.h"
+#include "vdbtools/formats/file_formats.h"
 #include "vdbtools/records/recorded_recipe.h"
 
 #include <iostream>

@@ -193,8 +193,9 @@ ENUMERATORS = re.compile(r"\benum\b[^{;]*\{([^}]*)\}")
 
 
 def unreached(root):
-    """Files of the rooms that use a type whose header they do not include, neither themselves nor through others. A unity
-    build hides that: another source of the group includes it. Types that several headers define are not looked at."""
+    """Files of the rooms that use what no header defines that they include, neither themselves nor through others. A unity
+    build hides that: another source of the group includes it. Looked at are names with the namespace before them, and types
+    that one header defines. Only a build without unity finds the others."""
     included, code = {}, {}
     for path in sources(root):
         with open(os.path.join(root, path), encoding="utf-8") as file:
@@ -209,6 +210,7 @@ def unreached(root):
     own = {path: set(re.findall(r"\b(?:class|struct|using) (\w+)", text)) |
            {word for body in ENUMERATORS.findall(text) for word in re.findall(r"\w+", body)} for path, text in code.items()}
     found = []
+    words = {path: set(re.findall(r"\w+", text)) for path, text in code.items()}
     for path, text in code.items():
         if not place_of(path):
             continue
@@ -217,6 +219,10 @@ def unreached(root):
             new = set(included[open_ends.pop()]) - reached
             reached |= new
             open_ends += new
+        there = set().union(*(words[other] for other in reached - {path}))
+        there.update(re.findall(r"(?<!::)\b\w+", text))
+        for name in sorted(set(re.findall(r"(?<!namespace )\b(?:vdbtools|julia)::(\w+)\b(?!::)", text)) - there):
+            found.append(f"{path} uses {name}, and includes no header that has it")
         known = set().union(*(own[other] for other in reached))
         for name in sorted(set(re.findall(r"(?<![\w.:>])\w+", text)) - known):
             if len(defined.get(name, ())) == 1 and defined[name][0] not in reached:
@@ -330,19 +336,23 @@ class ABadTree(unittest.TestCase):
                     file.write(text)
             self.assertEqual(twins(root), {("vdbtools", "A"): ["vdbtools/src/field/b.h", "vdbtools/src/mesh/a.h"]})
 
-    def test_a_type_whose_header_is_not_included(self):
+    def test_what_no_included_header_has(self):
         header = "namespace vdbtools {\nclass Rows {\n};\n}\n"
         files = {"vdbtools/src/recipe/rows.h": header, "vdbtools/src/recipe/table.h": '#include "recipe/rows.h"\n',
                  "vdbtools/src/job/good.cpp": '#include "recipe/table.h"\nRows rows;\n',
                  "vdbtools/src/job/other.cpp": 'class Rows;\n// Rows\nconst char* text = "Rows";\n',
-                 "vdbtools/src/job/bad.cpp": "static Rows rows;\n"}
+                 "vdbtools/src/job/bad.cpp": "static Rows rows;\n",
+                 "vdbtools/include/vdbtools/job/job.h": "int runJob();\n",
+                 "cli/good.cpp": '#include "vdbtools/job/job.h"\nint a = vdbtools::runJob();\n',
+                 "cli/worse.cpp": "namespace vdbtools::own {\nint b = vdbtools::runJob();\n}\n"}
         with tempfile.TemporaryDirectory() as root:
             for path, text in files.items():
                 os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
                 with open(os.path.join(root, path), "w", encoding="utf-8") as file:
                     file.write(text)
-            self.assertEqual(unreached(root),
-                             ["vdbtools/src/job/bad.cpp uses Rows, and includes vdbtools/src/recipe/rows.h in no way"])
+            self.assertEqual(sorted(unreached(root)),
+                             ["cli/worse.cpp uses runJob, and includes no header that has it",
+                              "vdbtools/src/job/bad.cpp uses Rows, and includes vdbtools/src/recipe/rows.h in no way"])
 
     def test_a_file_in_no_room(self):
         self.expect("vdbtools/src/cellar/bad.cpp", "", "lies in no room")
