@@ -25,6 +25,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -35,10 +36,17 @@ std::string mode() {
   return text ? text : "";
 }
 
+/// The number of the mode, if the mode is @a name.
+std::optional<long> numberOf(const std::string& name) {
+  const std::string set = mode();
+  if (set.rfind(name + ":", 0) != 0) return std::nullopt;
+  return std::atol(set.c_str() + name.size() + 1);
+}
+
 /// Whether the mode is @a name with a number that @a calls has reached.
 bool isDue(const std::string& name, std::atomic<int>& calls) {
-  const std::string set = mode();
-  return set.rfind(name + ":", 0) == 0 && ++calls >= std::atoi(set.c_str() + name.size() + 1);
+  const auto number = numberOf(name);
+  return number && ++calls >= *number;
 }
 
 template <class Function>
@@ -78,9 +86,8 @@ cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id* dev
 }
 
 cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void* host, cl_int* error) {
-  const std::string set = mode();
-  if (set.rfind("full:", 0) == 0 && ran >= 2 && !(flags & CL_MEM_READ_ONLY) &&
-      size > std::strtoul(set.c_str() + std::string("full:").size(), nullptr, 10)) {
+  const auto most = numberOf("full");
+  if (most && ran >= 2 && !(flags & CL_MEM_READ_ONLY) && size > static_cast<size_t>(*most)) {
     if (error) *error = CL_MEM_OBJECT_ALLOCATION_FAILURE;
     return nullptr;
   }
@@ -100,8 +107,8 @@ cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocki
 cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t size,
                             const void* from, cl_uint count, const cl_event* events, cl_event* event) {
   const auto write = next<decltype(clEnqueueWriteBuffer)>("clEnqueueWriteBuffer");
-  const std::string set = mode();
-  if (blocking || set.rfind("late:", 0) != 0 || kernels + 1 < std::atoi(set.c_str() + std::string("late:").size()))
+  const auto late = numberOf("late");
+  if (blocking || !late || kernels + 1 < *late)
     return write(queue, buffer, blocking, offset, size, from, count, events, event);
   cl_context context = nullptr;
   clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof(context), &context, nullptr);

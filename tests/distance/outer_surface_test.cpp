@@ -33,6 +33,15 @@ class OuterSurface : public testing::Test {
   std::optional<vdbtools::OuterSurface> outerSurfaceOf(const Mesh& mesh, const std::vector<HiddenPlace>& hidden) {
     return vdbtools::outerSurface(vdbtools::TriangleTree(mesh.points, mesh.triangles), hidden, monitor);
   }
+
+  /// Expects that a face in which two parts touch is no wall. @param area  of the face
+  void expectNoWall(const Mesh& a, const Mesh& b, double area, const PartCounts& parts) {
+    const auto surface = outerSurfaceOf(merged(a, b), {});
+    ASSERT_TRUE(surface) << area;
+    EXPECT_EQ(surface->parts, parts);
+    EXPECT_NEAR(mesh_laws::area({.points = surface->points, .triangles = surface->triangles}),
+                mesh_laws::area(a) + mesh_laws::area(b) - 2 * area, 1e-3);
+  }
   Monitor monitor;
 };
 
@@ -283,11 +292,7 @@ TEST_F(OuterSurface, AFaceInWhichPartsTouchIsNoWallHoweverSmallItIs) {
   const Mesh plate = makeBox({0, 0, 0}, {40, 8, 40});
   for (const double width : {0.1, 2.0, 20.0}) {
     const Mesh post = makeBox({17.3, 8, 16.1}, {17.3 + width, 30, 16.1 + width});
-    const auto surface = outerSurfaceOf(merged(plate, post), {});
-    ASSERT_TRUE(surface) << width;
-    EXPECT_EQ(surface->parts, (PartCounts{.intersecting = 2}));
-    EXPECT_NEAR(mesh_laws::area({.points = surface->points, .triangles = surface->triangles}),
-                mesh_laws::area(plate) + mesh_laws::area(post) - 2 * width * width, 1e-3);
+    expectNoWall(plate, post, width * width, {.intersecting = 2});
   }
 }
 
@@ -295,11 +300,7 @@ TEST_F(OuterSurface, AFaceInWhichPartsTouchIsNoWallHoweverSmallItIs) {
 TEST_F(OuterSurface, SoIsAFaceWhoseCornersBothPartsHave) {
   for (const double width : {0.1, 2.0, 20.0}) {
     const Mesh lower = makeBox({0, 0, 0}, {width, 8, width}), upper = makeBox({0, 8, 0}, {width, 30, width});
-    const auto surface = outerSurfaceOf(merged(lower, upper), {});
-    ASSERT_TRUE(surface) << width;
-    EXPECT_EQ(surface->parts, (PartCounts{.intersecting = 1}));
-    EXPECT_NEAR(mesh_laws::area({.points = surface->points, .triangles = surface->triangles}),
-                mesh_laws::area(lower) + mesh_laws::area(upper) - 2 * width * width, 1e-3);
+    expectNoWall(lower, upper, width * width, {.intersecting = 1});
   }
 }
 

@@ -276,12 +276,16 @@ class ABadTree(unittest.TestCase):
         "tests/field/field_test.cpp": '#include "field/blocks.h"\n#include "vdbtools/job/job.h"\n',
     }
 
+    @staticmethod
+    def write(root, files):
+        for path, text in files.items():
+            os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
+            with open(os.path.join(root, path), "w", encoding="utf-8") as file:
+                file.write(text)
+
     def complaints_with(self, extra):
         with tempfile.TemporaryDirectory() as root:
-            for path, text in {**self.FILES, **extra}.items():
-                os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
-                with open(os.path.join(root, path), "w", encoding="utf-8") as file:
-                    file.write(text)
+            self.write(root, {**self.FILES, **extra})
             return complaints(root)
 
     def expect(self, path, text, words):
@@ -320,20 +324,15 @@ class ABadTree(unittest.TestCase):
     def test_a_library_that_prints_or_exits(self):
         lines = 'std::cerr << "x";\n  fprintf(stderr, "x");\n// puts("x")\nsnprintf(a, b);\nsession.abort();\n  exit(1);\n'
         with tempfile.TemporaryDirectory() as root:
-            os.makedirs(os.path.join(root, "vdbtools/src/job"))
-            with open(os.path.join(root, "vdbtools/src/job/bad.cpp"), "w", encoding="utf-8") as file:
-                file.write(lines)
+            self.write(root, {"vdbtools/src/job/bad.cpp": lines})
             self.assertEqual([line.split(": ")[0].rpartition(":")[2] for line in speakers(root)], ["1", "2", "6"])
 
     def test_two_types_of_one_name(self):
         shared = "namespace vdbtools {{\nstruct A {{ {0} }};\n}}\n"
         private = "namespace vdbtools {\nnamespace {\nstruct A {};\n}  // namespace\n}\n"
         with tempfile.TemporaryDirectory() as root:
-            for path, text in {"vdbtools/src/mesh/a.h": shared.format("int a;"), "vdbtools/src/field/b.h": shared.format(""),
-                               "vdbtools/src/job/c.cpp": private, "cli/d.h": "namespace cli {\nstruct A {};\n}\n"}.items():
-                os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
-                with open(os.path.join(root, path), "w", encoding="utf-8") as file:
-                    file.write(text)
+            self.write(root, {"vdbtools/src/mesh/a.h": shared.format("int a;"), "vdbtools/src/field/b.h": shared.format(""),
+                              "vdbtools/src/job/c.cpp": private, "cli/d.h": "namespace cli {\nstruct A {};\n}\n"})
             self.assertEqual(twins(root), {("vdbtools", "A"): ["vdbtools/src/field/b.h", "vdbtools/src/mesh/a.h"]})
 
     def test_what_no_included_header_has(self):
@@ -346,10 +345,7 @@ class ABadTree(unittest.TestCase):
                  "cli/good.cpp": '#include "vdbtools/job/job.h"\nint a = vdbtools::runJob();\n',
                  "cli/worse.cpp": "namespace vdbtools::own {\nint b = vdbtools::runJob();\n}\n"}
         with tempfile.TemporaryDirectory() as root:
-            for path, text in files.items():
-                os.makedirs(os.path.join(root, os.path.dirname(path)), exist_ok=True)
-                with open(os.path.join(root, path), "w", encoding="utf-8") as file:
-                    file.write(text)
+            self.write(root, files)
             self.assertEqual(sorted(unreached(root)),
                              ["cli/worse.cpp uses runJob, and includes no header that has it",
                               "vdbtools/src/job/bad.cpp uses Rows, and includes vdbtools/src/recipe/rows.h in no way"])

@@ -21,14 +21,15 @@
 
 namespace julia::device {
 
-/// A device or its driver has failed. The message says in a few words what it could not do.
+/// A device or its driver has failed. The message says in a few words what it could not do. The driver may still use
+/// the memory that it was given, until Lane::settle() returns true.
 class DeviceFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 /// The device or its driver did not answer in time. It may still read and write the memory that it was given, so that
-/// memory is never released. After other failures it may do so until Lane::settle() returns true.
+/// memory is never released.
 class DeviceHangs : public DeviceFailure {
  public:
   using DeviceFailure::DeviceFailure;
