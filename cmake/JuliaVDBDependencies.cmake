@@ -20,6 +20,14 @@ pkg_check_modules(LibZip QUIET libzip)
 pkg_check_modules(Expat QUIET expat)
 # For glTF that is compressed by Draco, which is refused without it.
 pkg_check_modules(Draco QUIET draco)
+if(Draco_FOUND)
+  # The pkg-config file of Draco 1.5.6, which Debian 13 has, names a folder without its prefix.
+  find_path(JULIAVDB_DRACO_HEADERS draco/compression/decode.h HINTS ${Draco_INCLUDE_DIRS})
+  set(Draco_INCLUDE_DIRS "${JULIAVDB_DRACO_HEADERS}")
+  if(NOT JULIAVDB_DRACO_HEADERS)
+    set(Draco_FOUND OFF)
+  endif()
+endif()
 # For FBX, DAE, 3DS and X3D, which are refused without it.
 pkg_check_modules(Assimp QUIET assimp)
 # pkg-config names the compiler's own include folders, too. They must stay where the compiler has them in its order: given
