@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Every preset of CMakePresets.json configures, and what the presets of the sanitizers leave out are tests that exist.
+"""Every preset of CMakePresets.json configures, also with the libraries as other releases of Debian have them, and what the
+presets of the sanitizers leave out are tests that exist.
 
 A preset that only a developer uses breaks unseen. Where its compiler is not installed, the one of this build stands in for
 it. Usage: presets_test.py CMAKE CTEST BUILD COMPILER
@@ -20,6 +21,16 @@ SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "../.."))
 
 with open(os.path.join(SOURCE, "CMakePresets.json"), encoding="utf-8") as presets_file:
     PRESETS = json.load(presets_file)
+
+
+# What Debian 13 has in its package libdraco-dev.
+DRACO_OF_DEBIAN_13 = """Name: draco
+Description: Draco geometry de(com)pression library.
+Version: 1.5.6
+Cflags: -Iinclude
+Libs: -Llib/x86_64-linux-gnu -ldraco
+Libs.private:
+"""
 
 
 def visible(kind):
@@ -43,6 +54,20 @@ class Presets(unittest.TestCase):
                                      cwd=SOURCE, capture_output=True, text=True, check=False)
                 self.assertEqual(run.returncode, 0, run.stderr[-3000:])
                 self.assertTrue(os.path.exists(os.path.join(build, "build.ninja")))
+
+    @unittest.skipUnless(subprocess.run(["pkg-config", "--exists", "draco"], check=False).returncode == 0, "needs libdraco-dev")
+    def test_folders_without_a_prefix(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, "draco.pc"), "w", encoding="utf-8") as file:
+                file.write(DRACO_OF_DEBIAN_13)
+            build = os.path.join(folder, "build")
+            run = subprocess.run([CMAKE, "--preset", "release", "-B", build, "-DCMAKE_CXX_COMPILER=" + COMPILER], cwd=SOURCE,
+                                 env={**os.environ, "PKG_CONFIG_PATH": folder}, capture_output=True, text=True, check=False)
+            self.assertEqual(run.returncode, 0, run.stderr[-3000:])
+            with open(os.path.join(build, "CMakeCache.txt"), encoding="utf-8") as cache:
+                self.assertRegex(cache.read(), r"\nDraco_VERSION:INTERNAL=1\.5\.6\n")
+            with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as commands:
+                self.assertNotIn("VDBTOOLS_NO_DRACO", commands.read())
 
     def test_tests_left_out_exist(self):
         listed = subprocess.run([CTEST, "--test-dir", BUILD, "-N"], capture_output=True, text=True, check=True).stdout
