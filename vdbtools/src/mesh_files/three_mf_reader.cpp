@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <limits>
@@ -140,6 +141,15 @@ class XmlAttributes {
   const char* const* mList;
 };
 
+// Expat 2.9 deprecates the functions of older versions.
+#if XML_MAJOR_VERSION > 2 || (XML_MAJOR_VERSION == 2 && XML_MINOR_VERSION >= 9)
+std::int64_t byteOf(XML_Parser parser) { return XML_GetCurrentByteIndex64(parser); }
+std::uint64_t lineOf(XML_Parser parser) { return XML_GetCurrentLineNumber64(parser); }
+#else
+std::int64_t byteOf(XML_Parser parser) { return XML_GetCurrentByteIndex(parser); }
+std::uint64_t lineOf(XML_Parser parser) { return XML_GetCurrentLineNumber(parser); }
+#endif
+
 /// What is done with the elements of an XML file. Names of the core specification come without their namespace.
 struct XmlElements {
   std::function<void(std::string_view name, const XmlAttributes& attributes)> begin;
@@ -180,9 +190,9 @@ class XmlParser {
 
   /// @param isLast  whether no more pieces follow
   void parse(std::string_view piece, bool isLast) {
-    mGiven += static_cast<XML_Index>(piece.size());
+    mGiven += static_cast<std::int64_t>(piece.size());
     if (XML_Parse(mParser.get(), piece.data(), static_cast<int>(piece.size()), isLast) == XML_STATUS_OK) {
-      if (!isLast && mGiven - XML_GetCurrentByteIndex(mParser.get()) > kLongestTag) fail("a tag of it does not end");
+      if (!isLast && mGiven - byteOf(mParser.get()) > kLongestTag) fail("a tag of it does not end");
       return;
     }
     if (mThrown) std::rethrow_exception(mThrown);
@@ -193,7 +203,7 @@ class XmlParser {
 
  private:
   /// Bytes. Expat before 2.6 begins a tag anew with each piece that does not end it.
-  static constexpr XML_Index kLongestTag = 1 << 20;
+  static constexpr std::int64_t kLongestTag = 1 << 20;
 
   static std::string_view ownName(std::string_view name) {
     const std::size_t mark = kCore3mf.size();
@@ -201,8 +211,8 @@ class XmlParser {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    fail3mf(mPath, "its '" + inOneLine(mPart) + "', line " + std::to_string(XML_GetCurrentLineNumber(mParser.get())) +
-                       ": " + what + "; export the mesh again");
+    fail3mf(mPath, "its '" + inOneLine(mPart) + "', line " + std::to_string(lineOf(mParser.get())) + ": " + what +
+                       "; export the mesh again");
   }
 
   /// Keeps what is thrown from passing through expat, which is C.
@@ -221,7 +231,7 @@ class XmlParser {
   std::string mPart;
   const XmlElements& mElements;
   std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> mParser;
-  XML_Index mGiven = 0;  ///< bytes
+  std::int64_t mGiven = 0;  ///< bytes
   std::exception_ptr mThrown;
 };
 
