@@ -132,7 +132,7 @@ class Node {
                    std::initializer_list<const char*> optional = {}) const {
     requireObject();
     for (const auto& [key, value] : mValue.items()) {
-      const auto isKey = [&key = key](const char* known) { return key == known; };
+      const auto isKey = [&given = key](const char* known) { return given == known; };
       if (std::none_of(required.begin(), required.end(), isKey) &&
           std::none_of(optional.begin(), optional.end(), isKey)) {
         fail("has the unknown key \"" + inOneLine(key) + "\"; remove it");

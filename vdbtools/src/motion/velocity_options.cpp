@@ -83,7 +83,7 @@ std::vector<SurfaceAt> momentsAround(const TargetOptions& target, double frame) 
   const auto [first, last] = timesOf(target.input.path, now.animation);
   std::vector<SurfaceAt> moments;
   if (!(first < last)) return moments;
-  const auto within = [first = first, last = last](double seconds) { return std::clamp(seconds, first, last); };
+  const auto within = [from = first, to = last](double seconds) { return std::clamp(seconds, from, to); };
   const double before = within(now.seconds - frame), after = within(now.seconds + frame);
   if (!(before < after)) return moments;
   for (const double seconds : {before, after}) {
