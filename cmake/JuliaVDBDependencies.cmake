@@ -23,6 +23,7 @@ pkg_check_modules(Draco QUIET draco)
 if(Draco_FOUND)
   # The pkg-config file of Draco 1.5.6, which Debian 13 has, names a folder without its prefix.
   find_path(JULIAVDB_DRACO_HEADERS draco/compression/decode.h HINTS ${Draco_INCLUDE_DIRS})
+  mark_as_advanced(JULIAVDB_DRACO_HEADERS)
   set(Draco_INCLUDE_DIRS "${JULIAVDB_DRACO_HEADERS}")
   if(NOT JULIAVDB_DRACO_HEADERS)
     set(Draco_FOUND OFF)

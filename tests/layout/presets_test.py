@@ -38,6 +38,11 @@ def visible(kind):
 
 
 class Presets(unittest.TestCase):
+    def configure(self, preset, build, compiler, **environment):
+        run = subprocess.run([CMAKE, "--preset", preset, "-B", build, "-DJULIAVDB_TESTS=ON", "-DCMAKE_CXX_COMPILER=" + compiler],
+                             cwd=SOURCE, env={**os.environ, **environment}, capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 0, run.stderr[-3000:])
+
     def test_each_configures(self):
         bases = {preset["name"]: preset for preset in PRESETS["configurePresets"]}
         for preset in visible("configurePresets"):
@@ -49,10 +54,7 @@ class Presets(unittest.TestCase):
             if not shutil.which(wanted) and values.get("JULIAVDB_FUZZ"):
                 continue  # Fuzzing is for clang alone, and says so.
             with self.subTest(preset["name"]), tempfile.TemporaryDirectory() as build:
-                run = subprocess.run([CMAKE, "--preset", preset["name"], "-B", build, "-DJULIAVDB_TESTS=ON",
-                                      "-DCMAKE_CXX_COMPILER=" + (wanted if shutil.which(wanted) else COMPILER)],
-                                     cwd=SOURCE, capture_output=True, text=True, check=False)
-                self.assertEqual(run.returncode, 0, run.stderr[-3000:])
+                self.configure(preset["name"], build, wanted if shutil.which(wanted) else COMPILER)
                 self.assertTrue(os.path.exists(os.path.join(build, "build.ninja")))
 
     @unittest.skipUnless(subprocess.run(["pkg-config", "--exists", "draco"], check=False).returncode == 0, "needs libdraco-dev")
@@ -61,9 +63,7 @@ class Presets(unittest.TestCase):
             with open(os.path.join(folder, "draco.pc"), "w", encoding="utf-8") as file:
                 file.write(DRACO_OF_DEBIAN_13)
             build = os.path.join(folder, "build")
-            run = subprocess.run([CMAKE, "--preset", "release", "-B", build, "-DCMAKE_CXX_COMPILER=" + COMPILER], cwd=SOURCE,
-                                 env={**os.environ, "PKG_CONFIG_PATH": folder}, capture_output=True, text=True, check=False)
-            self.assertEqual(run.returncode, 0, run.stderr[-3000:])
+            self.configure("release", build, COMPILER, PKG_CONFIG_PATH=folder)
             with open(os.path.join(build, "CMakeCache.txt"), encoding="utf-8") as cache:
                 self.assertRegex(cache.read(), r"\nDraco_VERSION:INTERNAL=1\.5\.6\n")
             with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as commands:
