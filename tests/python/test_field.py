@@ -262,7 +262,7 @@ class Parts(FieldTest):
     def test_the_full_thickness_of_a_box_is_half_its_least_side(self):
         """Away from its edges. On a face, it rises to that from the edges, the more gently the more detail there is."""
         points, triangles = harness.cube(0.5)
-        self.write("box.obj", harness.obj((np.array(points) * (2, 1, 0.5), triangles)))
+        self.write("box.obj", harness.obj(((np.array(points) * (2, 1, 0.5)).tolist(), triangles)))
         at = self.random.uniform((-0.7, -0.2, -0.25), (0.7, 0.2, 0.25), (500, 3))
         on_faces = self.random.uniform((-1, -0.5, 0.25), (1, 0.5, 0.25), (500, 3))
         medians = []
