@@ -90,7 +90,8 @@ int WarningLines::overflow(int_type c) {
 }
 
 Report& report() {
-  static Report theReport;
+  // Never destroyed, as the thread that waits for signals may still ask what is left while the process ends.
+  static Report& theReport = *new Report;
   return theReport;
 }
 
