@@ -197,14 +197,15 @@ class Outputs(PipeTest):
         """One line, the code of a failed write, and no other output of the command."""
         reader, writer = os.pipe()
         os.close(reader)
+        words = harness.quiet(("fractal", "b.obj", "--mesh", "-", *LOW))
         try:
-            run = self.run_program("fractal", "b.obj", "--mesh", "-", "-o", "f.vdb", *LOW, stdout=writer)
+            run = self.run_program(*words, "-o", "f.vdb", stdout=writer)
         finally:
             os.close(writer)
         self.check_refusal(run, IO_ERROR, "fractal --mesh - | nobody")
         self.assertEqual(self.listing(), ["b.obj", "b.ply"])
         with open("/dev/full", "wb") as full:
-            run = self.run_program("fractal", "b.obj", "--mesh", "-", *LOW, stdout=full)
+            run = self.run_program(*words, stdout=full)
         self.check_refusal(run, IO_ERROR, "fractal --mesh - > /dev/full")
 
 
