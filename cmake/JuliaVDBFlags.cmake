@@ -40,6 +40,13 @@ function(juliavdb_sanitize checks)
   add_link_options(-fsanitize=${checks} ${without})
 endfunction()
 
+# Lets ThreadSanitizer see the timed locks of a program.
+function(juliavdb_show_timed_locks program)
+  if(JULIAVDB_SANITIZE MATCHES "thread")
+    target_sources(${program} PRIVATE ${PROJECT_SOURCE_DIR}/tests/sanitized/timed_locks.cpp)
+  endif()
+endfunction()
+
 if(JULIAVDB_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     message(FATAL_ERROR "JULIAVDB_FUZZ needs clang, for its libFuzzer: cmake --preset fuzz, or "
