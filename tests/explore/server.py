@@ -41,10 +41,15 @@ class Server:
         self.kill()
 
     def kill(self):
+        """@throw RuntimeError  if it had ended by itself, whatever the test saw of that"""
+        code, was_stopped = self.process.poll(), self.process.stderr.closed
         self.process.kill()
         self.process.wait()
         self.process.stdout.close()
+        errors = b"" if code is None or was_stopped else self.process.stderr.read()
         self.process.stderr.close()
+        if code is not None and not was_stopped:
+            raise RuntimeError(f"the server ended by itself, with code {code}: {errors.decode()}")
 
     def stop(self, by=signal.SIGINT):
         """Ends the server as a user does. @return seconds of a processor, exit code, what it said"""
