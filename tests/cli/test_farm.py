@@ -385,7 +385,9 @@ class Kills(farm.FarmTest):
             time.sleep(chance.uniform(0, 0.5))
             for process in processes:
                 process.kill()
-                kills += process.wait() == -signal.SIGKILL
+                code = process.wait()
+                self.assertIn(code, (DONE, -signal.SIGKILL), f"seed {seed}, kill {kills}: {process.stderr.read().decode()}")
+                kills += code == -signal.SIGKILL
             done, _, failed, _ = self.states()
             self.assertEqual(failed, 0, f"seed {seed}, kill {kills}")
         self.ok("task", FARM, "--range", f"1-{TILES}")
