@@ -261,7 +261,7 @@ class LikeTheCommand(ModuleTest):
                 with self.assertRaises(kind) as caught:
                     juliavdb.fractal(target, **options)
                 self.assertIs(type(caught.exception), kind)
-                run = self.run_program("fractal", *([target] if target else []), *words, "--mesh", "f.ply")
+                run = self.run_program(*harness.quiet(("fractal", *([target] if target else []), *words, "--mesh", "f.ply")))
                 self.assertNotEqual(run.returncode, 0)
                 self.assertEqual(f"juliavdb: {caught.exception}\n", in_python(said(run)))
         self.assertTrue(issubclass(juliavdb.DataError, ValueError))
@@ -274,7 +274,8 @@ class LikeTheCommand(ModuleTest):
         with self.assertRaises(OSError) as caught:
             made.write(self.path("here.ply"), self.path("no/such/folder.ply"))
         self.assertNotIsInstance(caught.exception, FileNotFoundError)
-        run = self.run_program("fractal", "--map", "mandelbulb", "--resolution", 20, "--mesh", self.path("no/such/folder.ply"))
+        run = self.run_program(*harness.quiet(("fractal", "--map", "mandelbulb", "--resolution", 20,
+                                               "--mesh", self.path("no/such/folder.ply"))))
         self.assertEqual(f"juliavdb: {caught.exception}\n", said(run))
         self.assertEqual(self.listing(), ["torus.obj"])
 
