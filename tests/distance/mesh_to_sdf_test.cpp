@@ -2,6 +2,7 @@
 #include "vdbtools/distance/mesh_to_sdf.h"
 #include "vdbtools/repair/mesh_repair.h"
 
+#include "support/interrupting.h"
 #include "support/test_meshes.h"
 #include "vdbtools/base/errors.h"
 
@@ -12,7 +13,6 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -23,6 +23,7 @@ namespace {
 using namespace test_meshes;
 using openvdb::Coord;
 using openvdb::FloatGrid;
+using test_monitors::Interrupting;
 using vdbtools::DataError;
 using vdbtools::meshToSdf;
 using vdbtools::MeshToSdfOptions;
@@ -287,18 +288,10 @@ TEST_F(MeshToSdf, RefusesOptionsOutOfTheirDomain) {
 }
 
 TEST_F(MeshToSdf, StopsWhenCancelled) {
-  class Canceller : public Monitor {
-   public:
-    explicit Canceller(int after) : mLeft(after) {}
-    bool cancelled() const override { return mLeft.fetch_sub(1) <= 0; }
-
-   private:
-    mutable std::atomic<int> mLeft;
-  };
   for (const int after : {0, 3, 8}) {
-    Canceller first(after);
+    Interrupting first(after + 1);
     EXPECT_THROW(meshToSdf(makeSphere(), withVoxelSize(0.05), first), vdbtools::Interrupted) << after;
-    Canceller second(after);
+    Interrupting second(after + 1);
     EXPECT_THROW(repairedMeshToSdf(makeSphere(), withVoxelSize(0.05), {}, second), vdbtools::Interrupted) << after;
   }
 }

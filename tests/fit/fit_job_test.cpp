@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fit from end to end: shapes whose fit is known, and changes that must not matter.
+#include "support/interrupting.h"
 #include "support/temporary_folder.h"
 #include "support/test_fields.h"
 #include "support/test_meshes.h"
@@ -14,10 +15,11 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <locale>
 #include <sstream>
 #include <string>
@@ -28,6 +30,7 @@ namespace {
 using namespace vdbtools;
 using namespace vdbtools::fit;
 using openvdb::Vec3d;
+using test_monitors::Interrupting;
 
 /// Two balls and the rod between them, along x: waists are what one root cannot have.
 double dumbbellDistance(const Vec3d& x) {
@@ -559,18 +562,6 @@ TEST(FitJob, O3dReadsBack) {
     }
   }
 }
-
-/// Says that it was interrupted from the n-th question on.
-class Interrupting : public Monitor {
- public:
-  explicit Interrupting(std::int64_t from) : mFrom(from) {}
-  bool cancelled() const override { return ++mAsked >= mFrom; }
-  std::int64_t asked() const { return mAsked; }
-
- private:
-  std::int64_t mFrom;
-  mutable std::atomic<std::int64_t> mAsked{0};
-};
 
 TEST(FitJob, InterruptionIsAllThatItThrows) {
   for (Recipe recipe : {Recipe{}, Recipe{{"start", "monopoles"}}, Recipe{{"schedule", "9(VFR)"}}}) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdbtools/render/preview.h"
 
+#include "support/interrupting.h"
 #include "support/test_images.h"
 
 #include "vdbtools/base/errors.h"
@@ -24,6 +25,7 @@ using openvdb::FloatGrid;
 using openvdb::Vec3d;
 using openvdb::Vec3f;
 using test_images::difference;
+using test_monitors::Interrupting;
 using vdbtools::Image;
 using vdbtools::Monitor;
 using vdbtools::PreviewOptions;
@@ -327,26 +329,22 @@ TEST(Preview, ReportsProgress) {
 }
 
 TEST(Preview, StopsSoonWhenCancelled) {
-  /// Cancels what has asked more often than it may.
-  struct Stopper : Monitor {
-    explicit Stopper(int most) : mMost(most) {}
-    bool cancelled() const override { return ++asked > mMost; }
-    mutable std::atomic<int> asked{0};
-    int mMost;
-  };
   const auto grid = sphere(1, 1.0 / 40);
-  Stopper before(0);
+  Interrupting before(1);
   EXPECT_THROW(renderPreview(*grid, smallPreview(20, 20), before), vdbtools::Interrupted);
 
-  // What asks within each row, and hardly again once it is cancelled, ends after few pixels.
-  const PreviewOptions wide = smallPreview(1000, 40);
-  Stopper patient(std::numeric_limits<int>::max());
-  renderPreview(*grid, wide, patient);
-  EXPECT_GT(patient.asked, 3 * wide.height);
-  const int half = patient.asked / 2;
-  Stopper during(half);
-  EXPECT_THROW(renderPreview(*grid, wide, during), vdbtools::Interrupted);
-  EXPECT_LT(during.asked - half, patient.asked / 4);
+  // Wider rows ask more often, once in 100 pixels at least, and what is cancelled among them hardly asks again: it ends
+  // after few pixels, however wide a picture is.
+  const auto asked = [&](int width) {
+    Interrupting never(std::numeric_limits<std::int64_t>::max());
+    renderPreview(*grid, smallPreview(width, 40), never);
+    return never.asked();
+  };
+  const std::int64_t all = asked(1000), inRows = all - asked(1);
+  EXPECT_GT(inRows, 1000 * 40 / 100);
+  Interrupting during(all - inRows / 2);
+  EXPECT_THROW(renderPreview(*grid, smallPreview(1000, 40), during), vdbtools::Interrupted);
+  EXPECT_LT(during.asked() - (all - inRows / 2), inRows / 4);
 }
 
 TEST(Preview, RefusesOptionsOutOfTheirDomain) {
